@@ -63,7 +63,7 @@ void ContactLayer::add(const Particles& p, const GridState& g, const Vec2& low, 
   });
 }
 
-MaterialFace ContactLayer::face(const GridState& g, std::size_t piece, int field, std::vector<NodeShare>& nodes) {
+MaterialFace ContactLayer::face(const GridState& g, std::size_t piece, int field, std::vector<NodeShare>& nodes, bool held) {
   MaterialFace out;
   auto& members = members_[piece * std::size_t(fields_) + std::size_t(field)];
   if (members.empty()) return out;
@@ -87,8 +87,8 @@ MaterialFace ContactLayer::face(const GridState& g, std::size_t piece, int field
   const Vec2 normal = members.front().at.normal.cwiseAbs();
   const double h = normal.dot(g.grid.spacing), end = members.back().at.depth + members.back().at.half - out.gap;
   out.state = MaterialFace::State::thin;
-  if (end < least_depth * h || std::any_of(members.begin(), members.end(), [](const Member& m) { return m.stretch2 > most_stretch2; }))
-    return out;
+  const auto flowed = [](const Member& m) { return m.stretch2 > most_stretch2; };
+  if (end < least_depth * h || (!held && std::any_of(members.begin(), members.end(), flowed))) return out;
   const FaceLayer layer{std::min(FaceLayer::cells * h, end)};  // to the end of what is thinner
   const auto fallen = [&](const Member& m) { return layer.fallen(m.at.depth - out.gap); };
   // Body forces that make up 1, and the stress whose end is where the points' volumes say.

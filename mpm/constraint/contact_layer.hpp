@@ -46,8 +46,8 @@ class ContactLayer {
   using Under = std::function<void(const Vec2& x, const Mat2& halves, std::vector<UnderPiece>& list)>;
   /// Takes the points in and around a box, as far away as a layer is deep.
   void add(const Particles& p, const GridState& g, const Vec2& low, const Vec2& high, const Under& under);
-  /// The face under a piece, and what an impulse on it gives to nodes (appended).
-  MaterialFace face(const GridState& g, std::size_t piece, int field, std::vector<NodeShare>& nodes);
+  /// The face under a piece, and what an impulse on it gives to nodes (appended). `held`: it has not flowed, however stretched.
+  MaterialFace face(const GridState& g, std::size_t piece, int field, std::vector<NodeShare>& nodes, bool held = false);
 
  private:
   struct Point {

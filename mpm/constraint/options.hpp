@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mpm/constraint/motion_table.hpp"
 #include "pivnp/core/choice.hpp"
 #include "pivnp/core/options.hpp"
 
@@ -28,6 +29,9 @@ struct BoundaryOptions {
   double friction = 0;
   std::optional<double> until_s;
   std::optional<Pair> velocity_m_s;
+  std::string motion;
+  MotionTable motion_table;  // of that file
+  bool grips = false;        // it moves, and follows the material that it holds (RigidBodies::grip()): set by the solver
   std::optional<Pair> withdraw_m_s;
   double withdraw_from_s = 0;
   std::optional<Pair> traction_pa;
@@ -51,7 +55,8 @@ struct BoundaryOptions {
     visit("normal", self.normal, OptionInfo{.text = "direction out of the material (left out: across the line, away from the material)"});
     visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient (frictional)", .min = 0});
     visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "time at which it is removed (a gate; left out: it stays)"});
-    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity of the nodes; the restrained nodes remain the same (fixed; left out: none)"});
+    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity at which the boundary moves, with the material that it holds at time 0 (fixed, roller; left out: none)"});
+    visit("motion", self.motion, OptionInfo{.text = "in place of velocity_m_s: a CSV file of its motion over time, as body.NAME.motion"});
     visit("withdraw_m_s", self.withdraw_m_s, OptionInfo{.unit = "m/s", .text = "velocity at which the line or polygon is withdrawn: nodes are free once it has passed them (left out: it stays)"});
     visit("withdraw_from_s", self.withdraw_from_s, OptionInfo{.unit = "s", .text = "start of the withdrawal", .min = 0});
     visit("traction_pa", self.traction_pa, OptionInfo{.unit = "Pa", .text = "load on the face, x and y, per length at time 0 (traction); it moves with the particles next to the line"});
@@ -95,6 +100,12 @@ struct RigidOptions {
   double mass_from_s = 0;
   std::optional<double> mass_until_s;
   bool turns = true;
+  double angular_velocity_rad_s = 0;
+  std::optional<Pair> pivot_m;
+  std::string motion;
+  MotionTable motion_table;  // of that file
+  std::string force;
+  ForceTable force_table;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -109,6 +120,10 @@ struct RigidOptions {
     visit("mass_from_s", self.mass_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
     visit("mass_until_s", self.mass_until_s, OptionInfo{.unit = "s", .text = "its end; linear between", .min = 0, .above_min = true});
     visit("turns", self.turns, OptionInfo{.text = "a free body may rotate"});
+    visit("angular_velocity_rad_s", self.angular_velocity_rad_s, OptionInfo{.unit = "rad/s", .text = "rate at which a body with prescribed motion turns about pivot_m, anticlockwise, between from_s and until_s"});
+    visit("pivot_m", self.pivot_m, OptionInfo{.unit = "m", .text = "the point about which it turns, at time 0; it moves with the body (left out: the centroid of the outline)"});
+    visit("motion", self.motion, OptionInfo{.text = "a CSV file of the motion over time, linear between rows and at rest beyond them: the column time_s and some of displacement_x_m, displacement_y_m, velocity_x_m_s, velocity_y_m_s, angle_rad, angular_velocity_rad_s (or mm, cm, mm_s, mm_min, deg, deg_s; ms, min, h), in place of velocity_m_s. With mass_kg_m what has no column is free"});
+    visit("force", self.force, OptionInfo{.text = "a CSV file of forces on a free body over time, beside its weight: time_s, force_x_n_m, force_y_n_m (or kn_m), a metre of thickness, linear between rows and constant beyond them"});
   }
 };
 

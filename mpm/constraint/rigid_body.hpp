@@ -11,12 +11,19 @@
 // has flowed), they are the shape functions at the piece's middle; it is in contact where the mass that its nodes give it is a quarter
 // of a full cell's or more (next to a half-space it is a half).
 //
+// What is rough grips: a face that has touched goes with the body, pull or push, however stretched its material is. It lets
+// go where no material is left within a cell.
+//
+// A boundary that moves is such a body without an outline: both sides of its line, or the nodes inside its polygon, which go with it.
+//
 // A free body moves under gravity and these impulses: its velocity and turn are unknowns of the same sweeps (with its
 // inverse mass and moment of inertia beside those of the nodes), advanced by symplectic Euler. It meets material only,
-// not walls or other bodies. Its mass may rise or fall in time; mass comes at the body's velocity.
+// not walls or other bodies. Its mass may rise or fall in time; mass comes at the body's velocity. What a table says of its motion
+// is prescribed, the rest is free; a table of forces acts beside its weight.
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,7 +39,13 @@ namespace pivnp::mpm {
 class RigidBodies {
  public:
   /// Throws InputError naming body.<name>.<key>.
-  RigidBodies(const std::vector<std::pair<std::string, RigidOptions>>& bodies, const Grid& grid);
+  RigidBodies(const std::vector<std::pair<std::string, RigidOptions>>& bodies, const Grid& grid, int velocity_fields = 1);
+
+  /// Adds a boundary that moves (fixed: rough; roller: its normal alone), behind the bodies. `centroid`: of the material. Throws
+  /// InputError naming boundary.<name>.<key>.
+  void grip(const std::string& name, const BoundaryOptions& boundary, const Vec2& centroid);
+  /// The place of boundary.NAME among the bodies; -1: it does not move.
+  int gripping(const std::string& name) const;
 
   /// Throws InputError naming the body if a point lies inside its outline at time 0.
   void check_clear(const std::vector<Vec2>& points) const;
@@ -66,8 +79,8 @@ class RigidBodies {
   bool any_free() const;
   double mass(std::size_t body, double time) const;  // kg/m; 0: prescribed
   Vec2 displacement(std::size_t body, double time) const;
-  double turn(std::size_t body) const { return bodies_[body].angle; }
-  /// Of every body, six numbers: shift x, y, turn, velocity x, y, rate of turn (zero where prescribed).
+  double turn(std::size_t body, double time) const { return bodies_[body].angle_at(time); }
+  /// Of every body, six numbers: shift x, y, turn, velocity x, y, rate of turn, as far as they are free; and the gap of every face held.
   std::vector<double> motion() const;
   void set_motion(const std::vector<double>& motion);
   double fastest() const;  // greatest speed of a body, m/s
@@ -84,6 +97,7 @@ class RigidBodies {
     Vec2 start, along, normal;
     double length;
     std::size_t first, count;
+    double least_depth = 0;  // of points under it
   };
   struct Body {
     std::string key;
@@ -100,7 +114,24 @@ class RigidBodies {
     double mass = 0, mass_end = 0, mass_from = 0, mass_until = 0, mass_now = 0, inertia_per_mass = 0;
     Vec2 shift = Vec2::Zero(), v = Vec2::Zero();
     double angle = 0, spin = 0;
+    // Prescribed by a table, or turning: `shift` to `spin` are those of the step, as far as they are given.
+    MotionTable table;
+    ForceTable force;
+    double turns_at = 0;  // rad/s
+    bool moves_freely() const { return free || table.any() || turns_at != 0; }
+    bool given(int component) const { return table.any() && (!free || table.courses[std::size_t(component)].given()); }
+    // Rough, or a boundary that moves.
+    bool grips = false, boundary = false, nodes_inside = false;  // the last: the nodes in its polygon go with it
+    double removed = std::numeric_limits<double>::infinity();
+    Vec2 way = Vec2::Zero();     // in which alone those nodes are held; zero: both
+    std::vector<double> held;    // gap at which each piece holds each velocity field's face; NaN: it does not
 
+    void take_motion(const MotionTable& motion, const std::string& motion_key);
+    void take_motion_of_step(double time, double dt);
+    double angle_at(double time) const;
+    Vec2 shift_at(double time) const;
+    double reach() const;  // from the centre to the outline
+    double moments_about(Vec2& middle) const;
     double mass_at(double time) const;
     Vec2 place(const Vec2& x_at_time_0, double time) const;
     Vec2 turned(const Vec2& direction) const;
@@ -131,6 +162,7 @@ class RigidBodies {
   };
   void find_contacts(double time, double dt, double least_mass, std::span<const JoinedNode> joined, const Particles& p,
                      const GridState& g);
+  void find_nodes_inside(const Body& body, int number, double time, std::span<const JoinedNode> joined, const GridState& g);
   void find_points_under(const Body& body, double time, const Particles& p, const GridState& g);
   void press(double dt, const Pressures& in_pores);
   bool take_shares(Contact& c, std::span<const JoinedNode> joined, const GridState& g);
@@ -141,6 +173,7 @@ class RigidBodies {
   std::vector<NodeShare> shares_;
   ContactLayer layer_;
   double spacing_;
+  int fields_;
 };
 
 }  // namespace pivnp::mpm

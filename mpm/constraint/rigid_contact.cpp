@@ -29,7 +29,7 @@ void pieces_around(const Vec2& arm, double radius, std::size_t pieces, const Mat
 
 // Of a point the part that lies under a side, hats along the side: the first and last piece's are even to its ends.
 void RigidBodies::Body::pieces_over(const Vec2& x, const Mat2& halves, double deepest, std::vector<UnderPiece>& list) const {
-  if (!polygon) return pieces_around(x - centre, radius, surface.size(), halves, deepest, list);
+  if (!polygon && !boundary) return pieces_around(x - centre, radius, surface.size(), halves, deepest, list);
   const Side* inside = nullptr;  // where the point is in the body: the nearest
   double nearest = -std::numeric_limits<double>::infinity();
   const auto take = [&](const Side& s, double depth) {
@@ -48,8 +48,8 @@ void RigidBodies::Body::pieces_over(const Vec2& x, const Mat2& halves, double de
   };
   for (const Side& s : sides) {
     const double depth = (x - s.start).dot(s.normal);
-    if (depth >= 0 && depth <= deepest) take(s, depth);
-    if (depth >= 0 || depth <= nearest) continue;
+    if (depth >= s.least_depth && depth <= deepest) take(s, depth);
+    if (depth >= 0 || depth <= nearest || boundary) continue;
     nearest = depth;
     inside = &s;
   }
@@ -63,7 +63,8 @@ namespace {
 constexpr double closer_when_free = 1.6;
 constexpr double deepest_layer = 6;       // cells from an outline to the points that are looked at
 constexpr double touching_at_rest = 0.1;  // cells between a body and a face that lie on each other at the start
-constexpr double sticking = 0.02;         // cells by which a rough body may be off and still pulls
+constexpr double sticking = 0.02;         // cells by which a rough body may be off and still takes hold
+constexpr double held_within = 1;         // cells by which what it holds may be off
 constexpr int impulse_sweeps = 20;
 
 auto pair_of(std::span<const JoinedNode> joined, std::uint32_t node) {
@@ -141,8 +142,12 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
   contacts_.clear();
   shares_.clear();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Body& body = bodies_[b];
-    if (body.free && time < 0) continue;
+    Body& body = bodies_[b];
+    if ((body.free && time < 0) || time >= body.removed) continue;
+    if (body.nodes_inside) {
+      find_nodes_inside(body, int(b), time, joined, g);
+      continue;
+    }
     const double least = body.free ? closer_when_free * least_mass : least_mass;
     find_points_under(body, time, p, g);
     for (std::size_t s = 0; s < body.surface.size(); ++s) {
@@ -153,11 +158,16 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
         c.x = body.place(point.x, time);
         c.normal = body.turned(point.normal);
         c.begin = shares_.size();
-        const MaterialFace face = layer_.face(g, s, field, shares_);
-        if (face.state == MaterialFace::State::none) continue;
+        double& held = body.held[s * std::size_t(fields_) + std::size_t(field)];
+        const MaterialFace face = layer_.face(g, s, field, shares_, !std::isnan(held));
+        if (face.state == MaterialFace::State::none) {
+          held = std::numeric_limits<double>::quiet_NaN();
+          continue;
+        }
         if (face.state == MaterialFace::State::found) {
           const double gap = time < 0 ? 0 : face.gap;
-          if (face.gap > (time < 0 ? touching_at_rest : 1.0) * spacing_) {
+          if (face.gap > (time < 0 && !body.boundary ? touching_at_rest : held_within) * spacing_) {
+            held = std::numeric_limits<double>::quiet_NaN();
             shares_.resize(c.begin);
             continue;
           }
@@ -165,8 +175,12 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
           c.x += face.along * Vec2(-c.normal.y(), c.normal.x());
           c.face = face.area;
           if (gap > 0) c.part = gap / dt;
-          c.pulls = !body.friction && gap <= sticking * spacing_;
-          if (c.pulls) c.part = 0;
+          const bool touches = gap <= sticking * spacing_ || (body.boundary && time == 0);
+          c.pulls = body.grips && (touches || !std::isnan(held));
+          if (c.pulls) {
+            if (std::isnan(held) && time >= 0) held = gap;
+            c.part = 0;
+          }
         } else {
           double mass = 0;
           add_nodes_around(c.x, field, g, mass);
@@ -174,7 +188,7 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
             shares_.resize(c.begin);
             continue;
           }
-          c.pulls = !body.friction;
+          c.pulls = body.grips;
           c.face = point.piece * (g.axisymmetric ? c.x.x() : 1.0);
         }
         if (!take_shares(c, joined, g)) continue;
@@ -182,13 +196,37 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
           const Vec2 arm = c.x - body.centre - body.shift, tangent(-c.normal.y(), c.normal.x());
           const double across = arm.x() * c.normal.y() - arm.y() * c.normal.x();
           const double along = arm.x() * tangent.y() - arm.y() * tangent.x();
-          const double per_inertia = body.turns ? 1 / body.inertia_per_mass : 0;
-          c.body_normal = (1 + across * across * per_inertia) / body.mass_now;
-          c.body_along = (1 + along * along * per_inertia) / body.mass_now;
+          const double per_inertia = body.turns && !body.given(2) ? 1 / body.inertia_per_mass : 0;
+          const auto freely = [&](const Vec2& way) {  // of the way, what is free
+            double sum = body.table.any() ? 0 : 1;
+            for (int a = 0; a < 2 && body.table.any(); ++a) sum += body.given(a) ? 0 : way[a] * way[a];
+            return sum;
+          };
+          c.body_normal = (freely(c.normal) + across * across * per_inertia) / body.mass_now;
+          c.body_along = (freely(tangent) + along * along * per_inertia) / body.mass_now;
         }
         contacts_.push_back(c);
       }
     }
+  }
+}
+
+// The nodes go with the body: each is a contact of its own.
+void RigidBodies::find_nodes_inside(const Body& body, int number, double time, std::span<const JoinedNode> joined, const GridState& g) {
+  const double round_off = 1e-6 * spacing_;
+  for (const std::uint32_t n : g.active.nodes) {
+    if (!(g.node[n].mass > 0)) continue;
+    const Vec2 at = body.place_at_time_0(g.position(n), time);
+    Vec2 unused;
+    if (!body.polygon->contains(at) && body.polygon->distance(at, unused) > round_off) continue;
+    Contact c;
+    c.body = number;
+    c.x = g.position(n);
+    c.normal = body.way.squaredNorm() > 0 ? body.way : Vec2(1, 0);
+    c.pulls = true;
+    c.begin = shares_.size();
+    shares_.push_back({n, 1});
+    if (take_shares(c, joined, g)) contacts_.push_back(c);
   }
 }
 
@@ -210,6 +248,8 @@ void RigidBodies::press(double dt, const Pressures& in_pores) {
 
 void RigidBodies::apply(double time, double dt, double least_mass, std::span<const JoinedNode> joined, const Particles& p,
                         GridState& g, std::vector<Reaction>& reactions, const Pressures& in_pores) {
+  for (Body& body : bodies_)
+    if (body.moves_freely()) body.take_motion_of_step(time, dt);
   find_contacts(time, dt, least_mass, joined, p, g);
   if (in_pores) press(dt, in_pores);
   for (int sweep = 0; sweep < impulse_sweeps; ++sweep)
@@ -233,9 +273,12 @@ void RigidBodies::apply(double time, double dt, double least_mass, std::span<con
       c.along_normal = normal;
       c.along = along;
       if (body.free) {
+        const Vec2 before = body.v;
         body.v -= impulse / body.mass_now;
+        for (int a = 0; a < 2; ++a)
+          if (body.given(a)) body.v[a] = before[a];
         const Vec2 arm = c.x - body.centre - body.shift;
-        if (body.turns)
+        if (body.turns && !body.given(2))
           body.spin -= (arm.x() * impulse.y() - arm.y() * impulse.x()) / (body.mass_now * body.inertia_per_mass);
       }
       for (std::size_t k = c.begin; k < c.end; ++k) {

@@ -33,8 +33,17 @@ std::uint8_t side_along_grid(const Grid& grid, const Vec2& a, const Vec2& outwar
 void check_motion(const std::string& key, const BoundaryOptions& o) {
   const std::string type(name_of(o.type));
   const auto finite = [](const Pair& p) { return std::isfinite(p[0]) && std::isfinite(p[1]); };
-  if (o.velocity_m_s && (o.type != Type::fixed || !finite(*o.velocity_m_s)))
-    throw InputError(key + ".velocity_m_s: given with type \"" + type + "\", expected a velocity and type = \"fixed\"");
+  if (o.velocity_m_s && ((o.type != Type::fixed && o.type != Type::roller) || !finite(*o.velocity_m_s)))
+    throw InputError(key + ".velocity_m_s: given with type \"" + type + "\", expected a velocity and type = \"fixed\" or \"roller\"");
+  if (o.motion_table.any() && o.type != Type::fixed && o.type != Type::roller)
+    throw InputError(key + ".motion: given with type \"" + type + "\", expected type = \"fixed\" or \"roller\"");
+  if (o.motion_table.any() && o.velocity_m_s) throw InputError(key + ".motion: given beside velocity_m_s, expected one of them");
+  if (o.motion_table.any() && o.motion_table.courses[2].given()) throw InputError(key + ".motion: found a turn, expected displacements or velocities");
+  if (o.withdraw_m_s && (o.velocity_m_s || o.motion_table.any()))
+    throw InputError(key + ".withdraw_m_s: given beside a velocity, expected one of them");
+  if (!o.grips && (o.motion_table.any() || (o.velocity_m_s && o.type == Type::roller)))
+    throw InputError(key + (o.velocity_m_s ? ".velocity_m_s: a roller" : ".motion: a boundary") +
+                     " that moves beside [water] or tied sides, expected type = \"fixed\" and velocity_m_s, or a [body.NAME]");
   if (o.withdraw_m_s && (!finite(*o.withdraw_m_s) || !(point(*o.withdraw_m_s).norm() > 0)))
     throw InputError(key + ".withdraw_m_s: expected a velocity other than 0");
   if (o.withdraw_m_s && (o.type == Type::traction || o.type == Type::absorbing))
@@ -141,6 +150,7 @@ std::vector<Wall> walls_of(const std::vector<std::pair<std::string, BoundaryOpti
   for (const auto& [name, options] : boundaries) check_motion("boundary." + name, options);
   for (const auto& [name, options] : boundaries) {
     if (options.type == Type::traction) continue;  // a load (tractions.hpp)
+    if (options.grips) continue;                   // a body (rigid_body.hpp)
     walls.push_back(wall_of("boundary." + name, options, g, centroid, impedance));
     if (options.type != Type::tied) continue;
     BoundaryOptions opposite = options;

@@ -16,11 +16,12 @@ constexpr std::int64_t bad_states_every = 8;  // steps between looks for them
 // Greatest |F|^2 over the lesser of J and 1. A record keeps F in single precision: beyond some 2^22 the determinant of
 // what it keeps has no sign any more. It stays below that from one look to the next.
 constexpr double most_stretch2 = 1 << 20;
+constexpr double least_volume = 0.1;  // of the initial: the grains of no soil leave room for less
 
 // False for NaN too.
 bool sound(double xx, double xy, double yx, double yy, double J) {
   const double squares = xx * xx + xy * xy + yx * yx + yy * yy;
-  return J > 0 && xx * yy - xy * yx > 0 && squares <= most_stretch2 * std::min(J, 1.0);
+  return J >= least_volume && xx * yy - xy * yx > 0 && squares <= most_stretch2 * std::min(J, 1.0);
 }
 
 }  // namespace
@@ -129,7 +130,7 @@ void Solver::Impl::remove_due() {
   if (any) g.rebuild(p);
 }
 
-// Points torn off alone are sheared and stretched without bound by their own nodes. (What is no number has gone through
+// Points torn off alone are sheared, stretched and crushed without bound by their own nodes. (What is no number has gone through
 // the nodes within a step, and ends the run.)
 void Solver::Impl::end_bad_states() {
   bool any = false;

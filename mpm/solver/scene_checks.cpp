@@ -1,4 +1,5 @@
 // What axial symmetry and a centrifuge do not go with, and the axis.
+#include <algorithm>
 #include <cmath>
 
 #include "mpm/solver/impl.hpp"
@@ -27,6 +28,9 @@ void check_axisymmetric(const MpmOptions& o, const Scene& s) {
     if (b.type == BoundaryType::tied) refuse("boundary." + name + ".type", "found tied" + run + "expected another type");
   for (const auto& [name, b] : s.bodies) {
     if (b.mass_kg_m) refuse("body." + name + ".mass_kg_m", "given" + run + "expected a body with prescribed motion");
+    if (b.angular_velocity_rad_s != 0 || b.motion_table.courses[0].given() || b.motion_table.courses[2].given())
+      refuse("body." + name + (b.angular_velocity_rad_s != 0 ? ".angular_velocity_rad_s" : ".motion"),
+             "found more than a motion along y" + run + "expected none");
     if (b.velocity_m_s[0] != 0) refuse("body." + name + ".velocity_m_s", "found " + number(b.velocity_m_s[0]) + " along x" + run + "expected 0");
   }
 }
@@ -34,6 +38,9 @@ void check_axisymmetric(const MpmOptions& o, const Scene& s) {
 }  // namespace
 
 Scene checked(const MpmOptions& o, Scene s) {
+  const bool tied = std::any_of(s.boundaries.begin(), s.boundaries.end(), [](const auto& b) { return b.second.type == BoundaryType::tied; });
+  for (auto& [name, b] : s.boundaries)
+    b.grips = (b.velocity_m_s || b.motion_table.any()) && (b.type == BoundaryType::fixed || b.type == BoundaryType::roller) && !s.water && !tied;
   if (s.centrifuge && s.water) refuse("centrifuge", "given beside [water], which takes gravity to be the same everywhere; expected one of them");
   if (s.centrifuge && !s.centrifuge->rate_history.empty() && o.sleep_below_m_s)
     refuse("mpm.sleep_below_m_s", "given beside centrifuge.rate_history, expected none");

@@ -54,12 +54,14 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
         node_needs(scheme, materials, needs_with_pores(scene, pores)), scheme.axisymmetric),
       restraints(scene.boundaries, g, centroid(scene.particles),
                  [this](const Vec2& x) { return impedance_near(scene, materials, undrained_stiffness(), x); }),
-      bodies(scene.bodies, g.field_grid),
+      bodies(scene.bodies, g.field_grid, contacts.velocity_fields()),
       loading(o, scene),
       reduction(scene.materials.size(), 1.0),
       nonlocal(materials, g) {
   const Vec2 gravity = gravity_at_rest();
   bodies.check_clear(scene.particles.x0);
+  for (const auto& [name, boundary] : scene.boundaries)
+    if (boundary.grips) bodies.grip(name, boundary, centroid(scene.particles));
   if (scheme.stress == StressUpdate::usf && bodies.any_free())
     throw InputError("mpm.stress_update: found 'usf' beside a free rigid body, expected musl or usl");
   if (o.initial_equilibrium && gravity.norm() > 0 && restraints.any_absorbing())
@@ -89,7 +91,7 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
 }
 
 bool Solver::Impl::steps_by_arrangement() const {
-  return !options.courant && mpm::steps_by_arrangement(scheme, !scene.bodies.empty() || !scene.contacts.empty(), bool(water));
+  return !options.courant && mpm::steps_by_arrangement(scheme, !bodies.empty() || !scene.contacts.empty(), bool(water));
 }
 
 double Solver::Impl::courant() const {
@@ -255,10 +257,12 @@ ReactionRow Solver::reactions() const {
     std::size_t at = tractions + b;
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (walls[w].key == "boundary." + name) at = w;
-    add(s.impulse_now(at), Vec2::Zero(), 0);
+    const int body = s.bodies.gripping(name);
+    if (body < 0) add(s.impulse_now(at), Vec2::Zero(), 0);
+    else add(s.impulse_now(of_bodies + std::size_t(body)), s.bodies.displacement(std::size_t(body), s.state.time), 0);
   }
-  for (std::size_t b = 0; b < s.bodies.size(); ++b)
-    add(s.impulse_now(of_bodies + b), s.bodies.displacement(b, s.state.time), s.bodies.turn(b));
+  for (std::size_t b = 0; b < s.scene.bodies.size(); ++b)
+    add(s.impulse_now(of_bodies + b), s.bodies.displacement(b, s.state.time), s.bodies.turn(b, s.state.time));
   for (std::size_t k = 0; k < s.scene.contacts.size(); ++k) add(s.impulse_now(of_contacts + k), Vec2::Zero(), 0);
   return row;
 }

@@ -10,7 +10,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '8'};
+constexpr char magic[8] = {'p', 'i', 'v', 'm', 'p', 'm', '1', '9'};
 
 class Writer {
  public:

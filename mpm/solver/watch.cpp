@@ -64,6 +64,10 @@ void Solver::Impl::end_particle(std::size_t k, EndReason reason) {
 }
 
 void Solver::Impl::watch_motion() {
+  for (const auto& [name, b] : scene.boundaries)  // (beside tied sides material passes a lid that moves along itself)
+    if (water && !restraints.tied().any() && b.velocity_m_s && !b.grips &&
+        Vec2((*b.velocity_m_s)[0], (*b.velocity_m_s)[1]).norm() * std::min(state.time, b.until_s.value_or(state.time)) > g.grid.spacing.maxCoeff())
+      fail("boundary." + name + " has moved by more than a cell, and its nodes hold no material any more; expected a [body.NAME] beside water");
   const NodalMotion motion = nodal_motion(g, heavy_mass * least_density() * g.grid.spacing.prod());
   state.peak_kinetic = std::max(state.peak_kinetic, motion.kinetic);
   const bool stands = motion.kinetic < calm * state.peak_kinetic &&
@@ -185,6 +189,7 @@ void Solver::Impl::check_balance() {
   if (!std::isfinite(row.residual)) fail("the energy is not finite");
   double& turned_over = state.balance.turned_over;
   turned_over = std::max(turned_over, turnover(row, state.balance));
+  const double gain = gained(row, state.balance);
   // (The balance here takes velocities as they are stored, of half a step ago: after n steps of a fall it is off by 1/n of the work.)
   const double most = options.energy_limit * std::max(turned_over, least_turned_over);
   const auto swings = [&] {
@@ -196,6 +201,13 @@ void Solver::Impl::check_balance() {
     std::ostringstream text;
     text << "the energy residual is " << row.residual << " J/m, beyond " << options.energy_limit
          << " of the energy supplied (" << std::max(turned_over, least_turned_over) << " J/m; mpm.energy_limit)";
+    fail(text.str());
+  }
+  if (state.steps >= first_judged && gain > most) {
+    std::ostringstream text;
+    text << "energy was gained where it can only be lost (plastic, damping, contact, darcy): " << gain << " J/m, beyond "
+         << options.energy_limit << " of the energy supplied (" << std::max(turned_over, least_turned_over)
+         << " J/m; mpm.energy_limit)";
     fail(text.str());
   }
   good = {row, state.steps};

@@ -79,6 +79,16 @@ double turnover(const EnergyRow& row, const EnergyBalance& balance) {
          std::max(std::abs(balance.bodies - balance.loads), balance.moved);
 }
 
+double gained(const EnergyRow& row, EnergyBalance& balance) {
+  double sum = 0;
+  const std::array now{row.plastic, row.damping, row.contact, row.darcy};
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    balance.dissipated[k] = std::max(balance.dissipated[k], now[k]);
+    sum += balance.dissipated[k] - now[k];
+  }
+  return sum;
+}
+
 double least_turnover(const Particles& p, const Materials& materials, double gravity, double cell_m) {
   constexpr double cells = 1e-6, strain = 1e-8;
   double sum = 0;

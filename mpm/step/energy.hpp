@@ -1,6 +1,7 @@
 // The energy balance.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "mpm/transfer/stress_update.hpp"
@@ -21,6 +22,7 @@ struct EnergyBalance {
   double loads = 0;     // that of tractions and forces by place and time, which is part of it
   double moved = 0;     // sum of |work of moving bodies, and what projected pressures foresee| over the steps
   double turned_over = 0;  // greatest turnover() so far
+  std::array<double, 4> dissipated{};  // greatest so far of what only grows: plastic, damping, contact, darcy
   double darcy = 0;     // taken out by the flow of water
   double potential = 0; // with water: energy in gravity and in the water outside at the start, less that of ended points
   double heat_made = 0, heat_inflow = 0;  // heat (EnergyRow)
@@ -55,6 +57,9 @@ EnergyRow energy_row(double time, const StoredEnergy& stored, const EnergyBalanc
 /// swings back, one that falls out of the domain), so a residual is held against the greatest so far, and against
 /// least_turnover().
 double turnover(const EnergyRow& row, const EnergyBalance& balance);
+/// What dissipates never gives back: by how much its terms have fallen below their greatest so far (which is kept in
+/// `balance`), J/m. Energy that was gained, whatever the residual says.
+double gained(const EnergyRow& row, EnergyBalance& balance);
 /// A scale of the scene below which no residual is large: the weight through a millionth of a cell, and strains of 1e-8
 /// everywhere. Round-off is far below it. `gravity`: the greatest, m/s^2.
 double least_turnover(const Particles& p, const Materials& materials, double gravity, double cell_m);

@@ -316,14 +316,16 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
   rates.stiffness.assign(soils_.size(), 0.0);
   for (const Particles::Body& body : p.bodies) {
     const PoreSoil& soil = soils_[std::size_t(body.material)];
+    for (std::size_t k = body.begin; k < body.end && soil.has_pores(); ++k)
+      if (p.cell[k] != Particles::ended)
+        rates.least_pores = std::min(rates.least_pores, (p.J[k] - (1 - soil.porosity)) / soil.porosity);
     if (!soil.holds_water()) continue;
-    double smallest = std::numeric_limits<double>::max(), least = smallest, stiffest = 0, mobility = soil.mobility;
+    double least = std::numeric_limits<double>::max(), stiffest = 0, mobility = soil.mobility;
     const double solid = 1 - soil.porosity, dry = soil.dry_density(),
                  full = dry + options_.density_kg_m3 * soil.porosity;
     const auto pores = [&](double J) { return std::max(least_pores, J - solid); };
     for (std::size_t k = body.begin; k < body.end; ++k) {
       if (p.cell[k] == Particles::ended || !(p.content[k] > 0)) continue;
-      smallest = std::min(smallest, p.J[k]);
       const bool open = torn(p, k, soil);  // (as if it were whole)
       const double J = open ? 1 : p.J[k];
       least = std::min(least, J);
@@ -332,7 +334,6 @@ PoreWater::Rates PoreWater::rates(const Particles& p) const {
       stiffest = std::max(stiffest, J * J / pores(J) * lighter);
     }
     if (!(stiffest > 0)) continue;
-    rates.least_pores = std::min(rates.least_pores, (smallest - solid) / soil.porosity);
     if (soil.kozeny_carman || by_temperature()) mobility = *std::max_element(p.mobility.begin() + std::ptrdiff_t(body.begin), p.mobility.begin() + std::ptrdiff_t(body.end));
     const double stiffness = options_.bulk_modulus_pa * stiffest;
     double& of_material = rates.stiffness[std::size_t(body.material)];

@@ -338,6 +338,8 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     for (std::string& remark : interlace_remarks(setting, source->read(some.pair[0]), some))
       outcome.remarks.push_back(std::move(remark));
   }
+  if (source && !draws)
+    for (std::string& remark : source->remarks()) outcome.remarks.push_back(std::move(remark));
   if (source && !vectors)
     for (std::string& remark : texture_remarks(setting, first, file_of_first(*source)))
       outcome.remarks.push_back(std::move(remark));

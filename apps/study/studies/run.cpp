@@ -100,11 +100,12 @@ class Run {
     else
       regions = measure(c_, setting_, *source_, *writer_, settings_.threads, progress_, &looks);
     central_ = writer_->pair(0).anchor == Anchor::central;
-    frames_ = flagged_frames(std::move(frames_), *writer_);
-    if (!vectors_) flag_flashes(*source_, looks, frames_);
+    frames_ = flagged_frames(std::move(frames_), *writer_,
+                             vectors_ ? std::vector<FrameLook>{} : all_looks(*source_, looks));
     writer_->set_frames(frames_);
     outcome_.remarks = vectors_ ? remarks_on_import(*vectors_, c_)
                                 : texture_remarks(setting_, source_->read(0), file_of_first(*source_));
+    if (!vectors_) append(source_->remarks(), outcome_.remarks);
     if (!vectors_) {
       const std::size_t middle = (frames_.size() - 2) / 2;
       append(interlace_remarks(setting_, source_->read(int(middle)), writer_->pair(middle)), outcome_.remarks);

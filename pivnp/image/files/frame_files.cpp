@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/image/files/frame_order.hpp"
 
 namespace pivnp::image {
 
@@ -24,24 +25,22 @@ std::string_view digits(std::string_view s, std::size_t& at) {
   return s.substr(begin, at - begin);
 }
 
-bool path_less(const fs::path& a, const fs::path& b) {
-  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), [](const fs::path& x, const fs::path& y) {
-    return natural_less(x.native(), y.native());
-  });
+FrameFiles in_order(std::vector<fs::path> paths) {
+  TimeOrder order = in_time_order(std::move(paths));
+  FrameFiles out{{}, std::move(order.clock), std::move(order.remarks)};
+  for (fs::path& p : order.files) out.files.push_back({std::int64_t(out.files.size()), std::move(p)});
+  return out;
 }
 
-FrameFiles in_order(std::vector<fs::path> paths) {
-  std::sort(paths.begin(), paths.end(), path_less);
-  FrameFiles out;
-  for (fs::path& p : paths) out.files.push_back({std::int64_t(out.files.size()), std::move(p)});
-  return out;
+std::string in_small_letters(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
 
 bool has_image_ending(const fs::path& file) {
   constexpr std::array<std::string_view, 12> known = {".png", ".tif", ".tiff", ".bmp", ".jpg",  ".jpeg",
                                                       ".jpe", ".pgm", ".ppm",  ".pnm", ".webp", ".jp2"};
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = in_small_letters(file.extension().string());
   return std::find(known.begin(), known.end(), ending) != known.end();
 }
 
@@ -86,8 +85,14 @@ std::vector<fs::path> matches(const fs::path& folder, const std::string& part, c
   std::vector<fs::path> out;
   std::error_code error;
   if (!fs::is_directory(folder, error)) return out;
-  for (const fs::path& entry : entries_of(folder, what))
-    if (fnmatch(part.c_str(), entry.filename().c_str(), FNM_PERIOD) == 0) out.push_back(entry);
+  const fs::path given(part);
+  const bool image = has_image_ending(given);
+  for (const fs::path& entry : entries_of(folder, what)) {
+    const fs::path ending = entry.extension();
+    const bool alike = image && in_small_letters(ending.string()) == in_small_letters(given.extension().string());
+    const std::string pattern = alike ? given.stem().string() + ending.string() : part;
+    if (fnmatch(pattern.c_str(), entry.filename().c_str(), FNM_PERIOD) == 0) out.push_back(entry);
+  }
   return out;
 }
 
@@ -155,10 +160,11 @@ std::optional<NumberedName> NumberedName::parse(const std::string& name, const s
   return found ? std::optional(out) : std::nullopt;
 }
 
-std::string NumberedName::name(std::int64_t number) const {
-  const std::string plain = std::to_string(number);
-  const std::size_t padding = plain.size() < width_ ? width_ - plain.size() : 0;
-  return before_ + std::string(padding, pad_) + plain + after_;
+std::string NumberedName::name(std::int64_t number, std::size_t sign) const {
+  const std::string plain = std::to_string(number < 0 ? -number : number), minus = number < 0 ? "-" : "";
+  const std::size_t length = plain.size() + (sign > 0 ? 0 : minus.size()), padding = length < width_ ? width_ - length : 0;
+  const std::string pad(padding, pad_);
+  return before_ + (pad_ == '0' ? minus + pad : pad + minus) + plain + after_;
 }
 
 std::optional<std::int64_t> NumberedName::number(const std::string& file_name) const {
@@ -167,9 +173,11 @@ std::optional<std::int64_t> NumberedName::number(const std::string& file_name) c
     return std::nullopt;
   std::string middle = file_name.substr(before_.size(), file_name.size() - before_.size() - after_.size());
   middle.erase(0, middle.find_first_not_of(' '));
+  const bool minus = middle.starts_with('-');
+  if (minus) middle.erase(0, 1);
   if (middle.empty() || middle.size() > 18 || !std::all_of(middle.begin(), middle.end(), is_digit)) return std::nullopt;
-  const std::int64_t value = std::stoll(middle);
-  return name(value) == file_name ? std::optional(value) : std::nullopt;
+  const std::int64_t value = (minus ? -1 : 1) * std::stoll(middle);
+  return name(value) == file_name || (minus && name(value, 1) == file_name) ? std::optional(value) : std::nullopt;
 }
 
 FrameFiles files_in_folder(const fs::path& folder, const std::string& what) {
@@ -213,7 +221,15 @@ FrameFiles files_of_glob(const fs::path& base, const std::string& pattern, const
     return fs::is_directory(p, error);
   });
   if (found.empty()) throw InputError(what + ": nothing matches '" + (base / given).string() + "'" + holdings(deepest));
-  return in_order(std::move(found));
+  const fs::path ending = given.extension();
+  const auto others = std::count_if(found.begin(), found.end(), [&](const fs::path& p) {
+    return p.extension() != ending && in_small_letters(p.extension().string()) == in_small_letters(ending.string());
+  });
+  FrameFiles out = in_order(std::move(found));
+  if (others > 0)
+    out.remarks.push_back(std::to_string(others) + " of " + std::to_string(out.files.size()) + " names end in other letters than " +
+                          given.filename().string() + " (small for capital ones); they were taken too.");
+  return out;
 }
 
 }  // namespace pivnp::image

@@ -20,7 +20,9 @@ struct FrameFiles {
     std::int64_t number;
     std::filesystem::path path;
   };
-  std::vector<File> files;  // increasing number, at least one
+  std::vector<File> files;           // increasing number, at least one
+  std::vector<double> clock = {};    // of each, steps between frames since the first; empty: the numbers
+  std::vector<std::string> remarks = {};  // what the names leave open, one sentence each
 
   /// Original frames, those that are missing in between included.
   std::int64_t count() const { return files.back().number - files.front().number + 1; }
@@ -33,8 +35,10 @@ class NumberedName {
  public:
   /// Nothing if there is no such conversion in `name`. Throws InputError if there are several.
   static std::optional<NumberedName> parse(const std::string& name, const std::string& what);
-  std::string name(std::int64_t number) const;
+  /// `sign`: characters that the sign of a negative number has beside the width (printf: 0).
+  std::string name(std::int64_t number, std::size_t sign = 0) const;
   /// The number in `file_name`, if it is exactly one that name() makes.
+  /// A negative number has its sign before the digits, padded with or without it.
   std::optional<std::int64_t> number(const std::string& file_name) const;
 
  private:
@@ -47,7 +51,8 @@ class NumberedName {
 FrameFiles files_in_folder(const std::filesystem::path& folder, const std::string& what);
 /// Throws InputError if nothing matches.
 FrameFiles files_of_pattern(const std::filesystem::path& folder, const NumberedName& name, const std::string& what);
-/// `pattern` relative to `base` (or absolute), wildcards in any of its parts. Throws InputError if nothing matches.
+/// `pattern` relative to `base` (or absolute), wildcards in any of its parts; an image's ending in small or capital
+/// letters. Throws InputError if nothing matches.
 FrameFiles files_of_glob(const std::filesystem::path& base, const std::string& pattern, const std::string& what);
 
 }  // namespace pivnp::image

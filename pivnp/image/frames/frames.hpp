@@ -70,6 +70,8 @@ class FrameSource {
   virtual int height() const = 0;
   /// What the frames are read from: one file each in their order, one video, or nothing (frames made in memory).
   virtual std::vector<std::filesystem::path> files() const { return {}; }
+  /// What is to be known of how the frames are read: their order, gaps, grey values that are lost. One sentence each.
+  virtual std::vector<std::string> remarks() const { return {}; }
   /// Grey image of frame `index` (colour: ITU-R BT.601 luma). 16-bit files stay u16. Throws InputError naming the file
   /// if it is missing, truncated, unreadable, or differs in size or depth from the first.
   virtual Image read(int index) = 0;
@@ -77,8 +79,8 @@ class FrameSource {
 
 /// Opens what `options.path` names, relative to `base`: a folder (all its images), a video file, one image, a printf
 /// pattern with one %d or %0Nd in the file name, or a glob (* ? [..]). What exists under that very name wins over a
-/// pattern's meaning, and brackets that match nothing as a glob are tried as they stand. Natural order (img_2 before
-/// img_10); names may hold spaces. A printf sequence starts at the least number found.
+/// pattern's meaning, and brackets that match nothing as a glob are tried as they stand. In the order of
+/// the numbers in the names, signs and decimals included (files/frame_order.hpp); names may hold spaces. A printf sequence starts at the least number found.
 /// `first`, `last` and `stride` count original frames from 0. Only the first frame used is decoded here; a video is
 /// run through once to count what can truly be read.
 /// Images: 8 or 16 bit, grey or colour (alpha ignored), or floating point within 0..1. Pixels as stored: orientation

@@ -13,8 +13,8 @@ namespace {
 
 class ImageSequence final : public FrameSource {
  public:
-  ImageSequence(std::vector<fs::path> files, std::vector<Frame> frames, bool has_rate)
-      : files_(std::move(files)), frames_(std::move(frames)), has_rate_(has_rate) {
+  ImageSequence(std::vector<fs::path> files, std::vector<Frame> frames, bool has_rate, std::vector<std::string> remarks)
+      : files_(std::move(files)), frames_(std::move(frames)), has_rate_(has_rate), remarks_(std::move(remarks)) {
     const Image first = read_image_file(files_.front(), frames_key);
     width_ = first.width();
     height_ = first.height();
@@ -26,6 +26,7 @@ class ImageSequence final : public FrameSource {
   int width() const override { return width_; }
   int height() const override { return height_; }
   std::vector<fs::path> files() const override { return files_; }
+  std::vector<std::string> remarks() const override { return remarks_; }
 
   Image read(int index) override {
     const fs::path& file = files_.at(std::size_t(index));
@@ -41,6 +42,7 @@ class ImageSequence final : public FrameSource {
   std::vector<fs::path> files_;
   std::vector<Frame> frames_;
   bool has_rate_;
+  std::vector<std::string> remarks_;
   int width_ = 0, height_ = 0;
   PixelDepth depth_ = PixelDepth::u8;
 };
@@ -66,13 +68,15 @@ std::unique_ptr<FrameSource> image_sequence(const FrameOptions& options, const F
   std::vector<Frame> frames;
   for (const int number : chosen_frames(options, files.count(), options.path)) {
     paths.push_back(used_file(options, files, number));
-    const double steps = number - options.first;
+    const auto at = [&](int k) { return files.clock.empty() ? double(k) : files.clock[std::size_t(k)]; };
+    const double steps = at(number) - at(options.first);
     frames.push_back({paths.back().filename().string(), options.rate_hz ? steps / *options.rate_hz : steps, frame_ok});
   }
   const auto elsewhere = [&](const fs::path& p) { return p.parent_path() != paths.front().parent_path(); };
   if (std::any_of(paths.begin(), paths.end(), elsewhere))
     for (std::size_t k = 0; k < paths.size(); ++k) frames[k].name = paths[k].lexically_relative(base).string();
-  return std::make_unique<ImageSequence>(std::move(paths), std::move(frames), options.rate_hz.has_value());
+  return std::make_unique<ImageSequence>(std::move(paths), std::move(frames), options.rate_hz.has_value(),
+                                         files.remarks);
 }
 
 }  // namespace pivnp::image

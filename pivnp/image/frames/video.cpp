@@ -1,5 +1,6 @@
 // Frames out of a video file.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -19,7 +20,6 @@ namespace pivnp::image {
 namespace fs = std::filesystem;
 
 namespace {
-
 
 struct Header {
   char bytes[4096] = {};
@@ -52,6 +52,22 @@ cv::VideoCapture opened(const fs::path& file) {
                      "or truncated)");
   capture.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);  // pixels as stored
   return capture;
+}
+
+// Bits of a grey value, or of a colour's, as far as the tag of FFmpeg's raw formats tells ("Y1", 0, 16 is grey of 16).
+int stored_bits(const cv::VideoCapture& capture) {
+  const auto tag = std::uint32_t(std::int64_t(capture.get(cv::CAP_PROP_CODEC_PIXEL_FORMAT)));
+  const char first = char(tag & 0xFF);
+  const int last = int(tag >> 24);
+  if (first == 'Y' || first == 'G') return last > 8 && last <= 16 ? last : 8;
+  return (first == 'R' || first == 'B') && (last == 48 || last == 64) ? 16 : 8;
+}
+
+std::size_t different_values(const Image& image) {
+  std::array<bool, 256> there{};
+  for (int r = 0; r < image.height(); ++r)
+    for (int c = 0; c < image.width(); ++c) there[image.view().row<std::uint8_t>(r)[c]] = true;
+  return std::size_t(std::count(there.begin(), there.end(), true));
 }
 
 // What one pass through the file finds.
@@ -159,6 +175,14 @@ class VideoSource final : public FrameSource {
     const Image first = read(0);
     width_ = first.width();
     height_ = first.height();
+    const int bits = stored_bits(capture_), turn = int(std::lround(capture_.get(cv::CAP_PROP_ORIENTATION_META)));
+    if (bits > 8)
+      remarks_.push_back("The video holds grey values of " + std::to_string(bits) + " bits, but its decoder gives 8: " +
+                         std::to_string(different_values(first)) + " different ones are left in the first frame. Export the "
+                         "frames as 16-bit images (ffmpeg -i " + file_.filename().string() + " frame_%05d.png).");
+    if (turn % 360 != 0)
+      remarks_.push_back("The video asks players to turn it by " + std::to_string(turn) +
+                         " degrees; the frames are taken as they are stored, not turned.");
   }
 
   const std::vector<Frame>& frames() const override { return frames_; }
@@ -166,6 +190,7 @@ class VideoSource final : public FrameSource {
   int width() const override { return width_; }
   int height() const override { return height_; }
   std::vector<fs::path> files() const override { return {file_}; }
+  std::vector<std::string> remarks() const override { return remarks_; }
 
   Image read(int index) override {
     const int number = numbers_.at(std::size_t(index));
@@ -228,6 +253,7 @@ class VideoSource final : public FrameSource {
   std::vector<int> numbers_;  // original frames
   std::vector<Frame> frames_;
   bool has_rate_;
+  std::vector<std::string> remarks_;
   int width_ = 0, height_ = 0;
   cv::VideoCapture capture_;
   int at_ = -1;  // original frame that was grabbed last

@@ -70,6 +70,39 @@ TEST_F(Video, ReadsBackwards) {
   for (int k = 0; k < count; ++k) EXPECT_EQ(number_in(source->read(k)), 3 + 2 * k);
 }
 
+// Deep frames come out of the decoder with 8 bits: how many grey values are left is said.
+TEST_F(Video, GreyValuesThatTheDecoderCutsAreSaid) {
+  std::string file = "YUV4MPEG2 W" + std::to_string(width) + " H" + std::to_string(height) + " F25:1 Ip A1:1 Cmono16\n";
+  for (int k = 0; k < 3; ++k) {
+    file += "FRAME\n";
+    for (int n = 0; n < width * height; ++n) {
+      const int grey = (n * 37 + k * 11) % 1500;  // of 65535
+      file += {char(grey & 0xFF), char(grey >> 8)};
+    }
+  }
+  put(at("deep.y4m"), file);
+  FrameOptions options;
+  options.path = "deep.y4m";
+  EXPECT_THAT(open(options)->remarks(), ::testing::ElementsAre(AllOf(HasSubstr("16 bits"), HasSubstr(" different ones are left"))));
+}
+
+// The matrix in the track's head: a turn by a quarter, as of a telephone that was held upright.
+TEST_F(Video, ATurnThatThePlayerIsAskedForIsSaid) {
+  if (!write_video("upright.mp4", 5, 25, "mp4v")) GTEST_SKIP() << "no encoder";
+  std::string file = bytes(at("upright.mp4"));
+  const std::size_t matrix = box(file, "tkhd") + 8 + 40;
+  for (const auto& [k, value] : {std::pair{0, 0u}, {1, 0x10000u}, {3, 0xFFFF0000u}, {4, 0u}})
+    file.replace(matrix + 4 * std::size_t(k), 4, word(value));
+  put(at("turned.mp4"), file);
+  FrameOptions options;
+  options.path = "upright.mp4";
+  EXPECT_TRUE(open(options)->remarks().empty());
+  options.path = "turned.mp4";
+  const auto source = open(options);
+  EXPECT_EQ(source->width(), width);
+  EXPECT_THAT(source->remarks(), ::testing::ElementsAre(HasSubstr("turn it by")));
+}
+
 TEST_F(Video, TimesAreThoseOfTheStampsWhereTheyAreAsked) {
   if (!write_video("stamped.avi", 6, 20, "MJPG")) GTEST_SKIP() << "no encoder";
   FrameOptions options;

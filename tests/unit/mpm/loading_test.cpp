@@ -215,7 +215,7 @@ TEST(Loading, NonsenseNamesItsKey) {
   });
   expect("material.soil.removed_s", [](auto&, auto& s) { s.materials[0].removed_s = 0.0; });
   expect("boundary.base.velocity_m_s", [](auto&, auto& s) {
-    s.boundaries[0].second.type = BoundaryType::roller;
+    s.boundaries[0].second.type = BoundaryType::frictional;
     s.boundaries[0].second.velocity_m_s = Pair{1, 0};
   });
   expect("boundary.base.withdraw_m_s", [](auto&, auto& s) { s.boundaries[0].second.withdraw_m_s = Pair{0, 0}; });

@@ -107,6 +107,23 @@ TEST(EnergyGuard, CountsALoadThatSwingsOnce) {
   EXPECT_DOUBLE_EQ(turnover(row, balance), 3 + 2);
 }
 
+// What dissipates only grows: a term that is negative, or falls again, has given energy.
+TEST(EnergyGuard, CountsEveryGainOfWhatDissipates) {
+  EnergyBalance balance;
+  EnergyRow row;
+  row.damping = 0.4;
+  row.plastic = 2;
+  EXPECT_DOUBLE_EQ(gained(row, balance), 0);
+  row.damping = 1;
+  EXPECT_DOUBLE_EQ(gained(row, balance), 0);
+  row.damping = 0.25;
+  row.contact = -0.5;
+  EXPECT_DOUBLE_EQ(gained(row, balance), 0.75 + 0.5);
+  row.darcy = -0.125;
+  row.plastic = 3;
+  EXPECT_DOUBLE_EQ(gained(row, balance), 0.75 + 0.5 + 0.125);
+}
+
 // A cantilever under a load at once, without averages. Stress last by the mapped velocities, and one or two cells
 // across, lose what bends in it (18 % on two cells, 41 and 45 % on one by the end where nothing stops it); MUSL with B-splines keeps it.
 TEST(EnergyGuard, StopsACantileverThatLosesTheWorkOfItsLoad) {

@@ -134,7 +134,7 @@ TEST(Stride, DoesNotStepToALostFrame) {
 
 std::vector<std::uint8_t> flashes(const std::vector<double>& means) {
   std::vector<FrameLook> looks;
-  for (const double mean : means) looks.push_back({mean, 0});
+  for (const double mean : means) looks.push_back({mean, 0, 0});
   return flash_flags(looks);
 }
 
@@ -143,7 +143,7 @@ TEST(Flashes, AreFlagged) {
                                   two = flashes({0.4, 0.4, 0.1, 0.12, 0.4, 0.4, 0.41, 0.4, 0.4, 0.4, 0.39});
   for (std::size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k] == frame_flash, k == 3) << k;
   for (std::size_t k = 0; k < two.size(); ++k) EXPECT_EQ(two[k] == frame_flash, k == 2 || k == 3) << k;
-  std::vector<FrameLook> saturated(7, {0.4, 0.001});
+  std::vector<FrameLook> saturated(7, FrameLook{0.4, 0.001});
   saturated[4].saturated = 0.06;
   EXPECT_EQ(flash_flags(saturated)[4], frame_flash);
 }

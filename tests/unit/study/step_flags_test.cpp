@@ -24,7 +24,11 @@ TEST(StepFlags, AMissingFrameIsAJump) {
 }
 
 TEST(StepFlags, ARepeatedExposureStandsStill) {
-  EXPECT_EQ(step_flags(moving({0.5, 0.5, 0.001, 0.5, 0.5})), (Flags{0, 0, frame_repeated, 0, 0}));
+  std::vector<StepQuality> pairs = moving({0.5, 0.5, 0.001, 0.5, 0.5});
+  pairs[2].median_score = 0.99;  // one exposure: its noise is in both
+  EXPECT_EQ(step_flags(pairs), (Flags{0, 0, frame_repeated, 0, 0}));
+  pairs[2].median_score = 0.95;  // two exposures: the motion paused
+  EXPECT_EQ(step_flags(pairs), (Flags{0, 0, frame_jump, 0, 0}));
 }
 
 TEST(StepFlags, LostCorrelation) {
@@ -32,6 +36,14 @@ TEST(StepFlags, LostCorrelation) {
   pairs[0].valid = 0.4;
   pairs[2].median_score = 0.3;
   EXPECT_EQ(step_flags(pairs), (Flags{frame_decorrelated, 0, frame_decorrelated, 0}));
+}
+
+TEST(StepFlags, EveryPairMayBeLost) {
+  std::vector<StepQuality> pairs(5, {0.03, 0.35, 0.7});
+  pairs[1] = {0, 0.2, 0};
+  EXPECT_EQ(step_flags(pairs), Flags(5, frame_decorrelated));
+  for (StepQuality& q : pairs) q = {0.03, 0.9, 0.7};  // a small body before much air
+  EXPECT_EQ(step_flags(pairs), Flags(5, frame_ok));
 }
 
 // Where most of the picture is air, its scores are of chance and change from pair to pair; those of the material count.

@@ -118,7 +118,7 @@ Bridges bridge(const Case& c, const Setting& setting, const std::vector<Frame>& 
   for (const TrackStep& step : planned) {
     if (step.to - step.from > 1) {
       VectorField field = measure_pair(c, setting, source, {step.from, step.to}, threads, &material);
-      if (quality_of(field).valid >= 0.5 * valid[valid.size() / 2]) {
+      if (const StepQuality q = quality_of(field); !q.lost() && q.valid >= 0.5 * valid[valid.size() / 2]) {
         b.bridged.push_back(step);
         b.fields.push_back(std::move(field));
       } else {

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <optional>
+#include <utility>
 
 #include "apps/study/pipeline/measure/material_masks.hpp"
 #include "apps/study/pipeline/measure/moving_regions.hpp"
@@ -54,15 +57,80 @@ Expected expected_step(const std::vector<StepQuality>& pairs, std::size_t k, dou
   return {mean, std::sqrt(left)};
 }
 
-// The exposure before, compressed anew: its noise is the same but for the compression's.
-bool compressed_anew(const std::vector<StepQuality>& pairs, std::size_t k) {
-  if (k < 2 || k + 2 >= pairs.size()) return false;
+constexpr double third = 1.0 / 3;  // of what other steps differ by: noise of two exposures would not be so small
+
+// The exposure before, compressed anew: its noise is the same but for the compression's. `usual`: 1 - score of the
+// steps about it.
+bool same_noise(const StepQuality& q, double usual) { return q.same || 1 - q.median_score < third * usual; }
+
+double unlikeness_about(const std::vector<StepQuality>& pairs, std::size_t k) {
   std::vector<double> unlike;
-  for (const std::size_t n : {k - 2, k - 1, k + 1, k + 2}) {
-    unlike.push_back(1 - pairs[n].median_score);
-    if ((n + 1 == k || n == k + 1) && !(pairs[k].median_shift < 0.5 * pairs[n].median_shift)) return false;
+  for (const int by : {-2, -1, 1, 2}) {
+    const std::ptrdiff_t n = std::ptrdiff_t(k) + by;
+    if (n >= 0 && n < std::ptrdiff_t(pairs.size())) unlike.push_back(1 - pairs[std::size_t(n)].median_score);
   }
-  return 1 - pairs[k].median_score < median(std::move(unlike)) / 3;
+  return median(std::move(unlike));
+}
+
+bool compressed_anew(const std::vector<StepQuality>& pairs, std::size_t k) {
+  if (k < 2 || k + 2 >= pairs.size() || !(pairs[k].along > 0.5)) return false;
+  for (const std::size_t n : {k - 1, k + 1})
+    if (!(pairs[k].median_shift < 0.5 * pairs[n].median_shift)) return false;
+  return same_noise(pairs[k], unlikeness_about(pairs, k));
+}
+
+// Of a recording that holds each frame several times: the steps within the holds. All else between them is one step
+// each time, and the holds are of one length, or of two that follow one another. Else empty.
+std::vector<std::uint8_t> held(const std::vector<StepQuality>& pairs) {
+  constexpr std::size_t most = 8, least_holds = 4;
+  std::vector<double> unlike;
+  for (const StepQuality& q : pairs) unlike.push_back(q.same ? 0 : 1 - q.median_score);
+  std::sort(unlike.begin(), unlike.end());
+  if (unlike.empty()) return {};
+  const double between = unlike[unlike.size() - 1 - unlike.size() / (2 * most)];
+  std::vector<std::uint8_t> within;
+  for (const StepQuality& q : pairs) within.push_back(same_noise(q, between));
+  std::vector<std::size_t> steps, lengths;
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (!within[k]) steps.push_back(k);
+  for (std::size_t n = 0; n + 1 < steps.size(); ++n) {
+    lengths.push_back(steps[n + 1] - steps[n]);
+    const double moved = std::max(pairs[steps[n]].median_shift, pairs[steps[n + 1]].median_shift);
+    for (std::size_t k = steps[n] + 1; k < steps[n + 1]; ++k)
+      if (!pairs[k].same && (!(pairs[k].median_shift < 0.5 * moved) || (lengths.back() == 2 && !(pairs[k].along > 0.5)))) return {};
+  }
+  if (lengths.size() < least_holds) return {};
+  const auto [shortest, longest] = std::minmax_element(lengths.begin(), lengths.end());
+  return *shortest >= 2 && *longest <= std::min(most, *shortest + 1) ? within : std::vector<std::uint8_t>{};
+}
+
+// Of all bytes.
+std::uint64_t digest_of(const ImageView& frame) {
+  const std::size_t bytes = std::size_t(frame.width) * (frame.depth == PixelDepth::u8 ? 1 : frame.depth == PixelDepth::u16 ? 2 : 4);
+  std::uint64_t sum = 0x9E3779B97F4A7C15u;
+  for (int r = 0; r < frame.height; ++r) {
+    const std::byte* row = frame.row<std::byte>(r);
+    for (std::size_t at = 0; at < bytes; at += sizeof sum) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, row + at, std::min(sizeof word, bytes - at));
+      sum = (sum ^ word) * 0xD6E8FEB86659FD93u;
+      sum ^= sum >> 32;
+    }
+  }
+  return sum;
+}
+
+// Cosine between two fields of displacements.
+double cosine(const VectorField& a, const VectorField& b) {
+  double ab = 0, aa = 0, bb = 0;
+  for (std::size_t n = 0; n < std::min(a.status.size(), b.status.size()); ++n) {
+    if (a.status[n] != VectorStatus::valid || b.status[n] != VectorStatus::valid) continue;
+    for (std::size_t c = 0; c < 2; ++c) {
+      const double x = double(a.displacement[n][c]), y = double(b.displacement[n][c]);
+      ab += x * y, aa += x * x, bb += y * y;
+    }
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 1;
 }
 
 // The regions of a group of pairs as masks, of each pair its own, `first` being the group's first frame. Between them the outlines go on by
@@ -282,9 +350,11 @@ VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSour
 std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs) {
   std::vector<double> valid, score;
   for (const StepQuality& q : pairs) {
+    if (q.same) continue;
     valid.push_back(q.valid);
     score.push_back(q.median_score);
   }
+  const std::vector<std::uint8_t> holds = held(pairs);
   const double usual_valid = median(valid), usual_score = median(score);
   constexpr double still = 0.01;  // spacings: less is no motion to compare
   constexpr double noisy_score = 0.999, same_exposure = 0.99999;
@@ -295,7 +365,11 @@ std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs) {
   const double usual_scatter = median(std::move(scatters));
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const StepQuality& q = pairs[k];
-    if (q.valid < 0.5 * usual_valid || q.median_score < 0.6 * usual_score) {
+    if (q.same || (!holds.empty() && holds[k])) {
+      flags[k] |= frame_repeated;
+      continue;
+    }
+    if (q.lost() || q.valid < 0.5 * usual_valid || q.median_score < 0.6 * usual_score) {
       flags[k] |= frame_decorrelated;
       continue;
     }
@@ -311,13 +385,14 @@ std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs) {
     if (k == 0 || k + 1 == pairs.size()) continue;
     const double before = pairs[k - 1].median_shift, after = pairs[k + 1].median_shift, mean = (before + after) / 2;
     if (mean < still) continue;
-    if (std::abs(after - before) > 0.25 * mean) {  // an unsteady test
+    if (std::abs(after - before) > 0.25 * mean || !(q.along > 0.5)) {  // an unsteady test
       const Expected e = expected_step(pairs, k, still);
       if (std::log(q.median_shift) - e.log_shift > std::max(std::log(1.5), 4 * std::max(e.scatter, usual_scatter)))
         flags[k] |= frame_jump;
       continue;
     }
-    if (q.median_shift < 0.05 * mean)
+    const bool scored = usual_score > 0;  // imported vectors may have no scores
+    if (q.median_shift < 0.05 * mean && (!scored || same_noise(q, unlikeness_about(pairs, k))))
       flags[k] |= frame_repeated;
     else if (std::abs(q.median_shift - mean) > 0.5 * mean)
       flags[k] |= frame_jump;
@@ -326,9 +401,12 @@ std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs) {
 }
 
 FrameLook look_of(const ImageView& frame) {
-  if (frame.depth == PixelDepth::u8) return looked_at<std::uint8_t>(frame, 255);
   const double white = double(frame.white);
-  return frame.depth == PixelDepth::u16 ? looked_at<std::uint16_t>(frame, white) : looked_at<float>(frame, white);
+  FrameLook look = frame.depth == PixelDepth::u8    ? looked_at<std::uint8_t>(frame, 255)
+                   : frame.depth == PixelDepth::u16 ? looked_at<std::uint16_t>(frame, white)
+                                                    : looked_at<float>(frame, white);
+  look.digest = digest_of(frame);
+  return look;
 }
 
 std::vector<std::uint8_t> flash_flags(const std::vector<FrameLook>& looks) {
@@ -356,19 +434,30 @@ std::vector<std::uint8_t> flash_flags(const std::vector<FrameLook>& looks) {
   return flags;
 }
 
-void flag_flashes(image::FrameSource& source, const FrameLooks& looks, std::vector<Frame>& frames) {
+std::vector<FrameLook> all_looks(image::FrameSource& source, const FrameLooks& looks) {
   std::vector<FrameLook> all;
-  for (std::size_t k = 0; k < frames.size(); ++k)
-    all.push_back(looks[k] ? *looks[k] : look_of(source.read(int(k)).view()));
-  const std::vector<std::uint8_t> flags = flash_flags(all);
-  for (std::size_t k = 0; k < frames.size(); ++k) frames[k].flag |= flags[k];
+  for (std::size_t k = 0; k < looks.size(); ++k) all.push_back(looks[k] ? *looks[k] : look_of(source.read(int(k)).view()));
+  return all;
 }
 
-std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer) {
+std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer,
+                                  const std::vector<FrameLook>& looks) {
+  std::vector<double> times;
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) times.push_back(frames[k + 1].time - frames[k].time);
+  const double usual_time = median(times);
   std::vector<StepQuality> pairs;
-  for (std::size_t k = 0; k + 1 < frames.size(); ++k) pairs.push_back(quality_of(writer.pair(k)));
-  const std::vector<std::uint8_t> flags = step_flags(pairs);
+  VectorField before, here;
+  for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
+    VectorField after = writer.pair(k);
+    pairs.push_back(quality_of(after));
+    if (times[k] != usual_time) pairs[k].median_shift *= usual_time / times[k];
+    if (!looks.empty()) pairs[k].same = looks[k].digest == looks[k + 1].digest;
+    if (k >= 2) pairs[k - 1].along = cosine(before, after);
+    before = std::move(here), here = std::move(after);
+  }
+  const std::vector<std::uint8_t> flags = step_flags(pairs), flashes = flash_flags(looks);
   for (std::size_t k = 0; k < flags.size(); ++k) frames[k + 1].flag |= flags[k];
+  for (std::size_t k = 0; k < flashes.size(); ++k) frames[k].flag |= flashes[k];
   return frames;
 }
 

@@ -1,8 +1,11 @@
 #include "apps/study/pipeline/scene/simulation_scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "apps/case/values.hpp"
 #include "apps/study/pipeline/scene/initial_state.hpp"
@@ -11,6 +14,7 @@
 #include "pivnp/core/particles/region.hpp"
 #include "pivnp/core/particles/seeding.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/io/imports/time_table.hpp"
 
 namespace pivnp::app {
 
@@ -44,6 +48,39 @@ bool inside_body(const mpm::RigidOptions& body, const Vec2& x, const std::string
   return Polygon(std::move(vertices), what).contains(x);
 }
 
+mpm::MotionTable motion_of(const std::filesystem::path& file) {
+  constexpr std::array names = {"displacement_x", "velocity_x", "displacement_y", "velocity_y", "angle", "angular_velocity"};
+  const io::TimeTable table = io::read_time_table(file, {names.begin(), names.end()});
+  mpm::MotionTable motion;
+  motion.time = table.time;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::vector<double>* rows = table.find(names[k]);
+    if (!rows) continue;
+    mpm::Course& course = motion.courses[k / 2];
+    if (course.given()) throw InputError(file.string() + ": found " + names[k - 1] + " and " + names[k] + ", expected one of them");
+    course = {*rows, k % 2 == 1, {}};
+  }
+  return motion;
+}
+
+mpm::ForceTable force_of(const std::filesystem::path& file) {
+  const io::TimeTable table = io::read_time_table(file, {"force_x", "force_y"});
+  mpm::ForceTable force;
+  force.time = table.time;
+  for (std::size_t a = 0; a < 2; ++a)
+    if (const std::vector<double>* rows = table.find(a == 0 ? "force_x" : "force_y")) force.rows[a] = *rows;
+  return force;
+}
+
+void read_tables(const Case& c, mpm::Scene& scene) {
+  for (auto& [name, body] : scene.bodies) {
+    if (!body.motion.empty()) body.motion_table = motion_of(c.folder / body.motion);
+    if (!body.force.empty()) body.force_table = force_of(c.folder / body.force);
+  }
+  for (auto& [name, boundary] : scene.boundaries)
+    if (!boundary.motion.empty()) boundary.motion_table = motion_of(c.folder / boundary.motion);
+}
+
 }  // namespace
 
 std::string material_of(const Case& c, const Region& region) {
@@ -75,6 +112,7 @@ mpm::Scene make_scene(const Case& c, const Setting& setting, const mpm::MpmOptio
   scene.boundaries = c.boundaries;
   scene.bodies = c.bodies;
   scene.contacts = c.contacts;
+  read_tables(c, scene);
   std::vector<bool> keep(scene.particles.size(), true);
   for (const auto& [name, body] : c.bodies)
     for (std::size_t p = 0; p < keep.size(); ++p)
