@@ -20,7 +20,7 @@ def check(ok, what):
 
 f = h5py.File(record_path)
 check(f.attrs["schema"] == "pivnp", "schema")
-check(f.attrs["schema_version"] == "1.8", "schema_version")
+check(f.attrs["schema_version"] == "1.9", "schema_version")
 check(re.fullmatch(r"\d+\.\d+\.\d+", f.attrs["version"]), "version")
 check(f.attrs["commit"] and "HDF5" in f.attrs["libraries"], "commit and libraries")
 check(re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", f.attrs["created"]), "created")
