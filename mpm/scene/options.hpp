@@ -61,7 +61,7 @@ struct MpmOptions {
     visit("stress_update", self.stress_update, OptionInfo{.text = "when stress is updated: musl, last, with velocities mapped again; usl, last; usf, first (left out: by the scheme)"});
     visit("locking", self.locking, OptionInfo{.text = "averages against volumetric locking (left out: by the scheme; selective and full: bilinear only)"});
     visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping during the run (left out: 0; the thesis' program has 0.05)", .min = 0, .max = 1});
-    visit("pic_per_s", self.pic_per_s, OptionInfo{.unit = "1/s", .text = "rate of blending from flip or aflip to PIC: a share 1 - exp(-rate dt) per step (left out: 0)", .min = 0});
+    visit("pic_per_s", self.pic_per_s, OptionInfo{.unit = "1/s", .text = "rate of blending from flip or aflip to PIC: a share 1 - exp(-rate dt) per step (left out: flip 0, aflip 10 (g/h)^(1/2))", .min = 0});
     visit("xpic_order", self.xpic_order, OptionInfo{.text = "order of xpic: 1 is PIC, higher ones filter less", .min = 1, .max = 20});
     visit("courant", self.courant, OptionInfo{.text = "time step over h/(c + v), c the fastest wave, v the fastest point (left out: 0.4, which holds however points lie; with B-splines and aflip or apic, in the plane, without bodies, contact, water and damping, as long as their present arrangement allows, 0.8 at most)", .min = 0, .max = 1, .above_min = true});
     visit("energy_limit", self.energy_limit, OptionInfo{.text = "the run stops when the energy residual passes this share of the energy supplied", .min = 0, .above_min = true});

@@ -1,9 +1,9 @@
 // What must not change where a dry column comes to rest (Mohr-Coulomb, plane strain, no equilibrium sought, gate drawn at once):
-// the time step, the elastic stiffness, the number of points, and the cells, once they are fine enough. Dimensionless numbers:
+// the time step, the elastic stiffness and the number of points. Dimensionless numbers:
 // aspect a = H/d0, friction, E/(rho g H), cells over d0. Two lengths over d0: how far the outermost 5 % of the mass have come in the
 // mean, and how far the whole has (spread).
-// Criteria (a priori): Courant number 0.1 to 0.8 2 %, E x 0.1 to x 10 3 %, 4 to 16 points a cell 3 %, cells 16 to 64 over d0 5 %, or
-// the order that is found and what it goes to. In small: 10 cells, where a particle is more of the whole: 4 %.
+// Criteria (a priori): Courant number 0.1 to 0.8 2 %, E x 0.3 to x 10 3 %, 4 to 16 points a cell 3 %. In small: 10 cells, where a
+// particle is more of the whole: 4 %. (What finer cells change: docs/theory/mpm.md.)
 #include <gtest/gtest.h>
 
 #include <algorithm>
