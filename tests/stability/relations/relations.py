@@ -355,7 +355,9 @@ def between_lines(scene):
     return "walls between grid lines" if scene.traits & {"between lines", "inclined"} else ""
 
 
-def with_body(scene):
+def with_body_or_slope(scene):
+    if "inclined" in scene.traits:
+        return "walls between grid lines"
     return "the pieces of a body, in their order" if "body" in scene.traits else ""
 
 
@@ -370,8 +372,8 @@ def under_load(scene):
 # Known faults, by scene: such scenes are drawn with --all only, and counted apart. When one is mended its word goes.
 RELATIONS = {
     "threads": (threads, any_scene, never), "checkpoint": (checkpoint, any_scene, never),
-    "similarity": (similarity, any_scene, never), "moved": (moved, any_scene, never), "turned": (turned, no_level, with_body),
-    "mirrored": (mirrored, any_scene, with_body), "units": (units, any_scene, lambda scene: "units of lengths"),
+    "similarity": (similarity, any_scene, never), "moved": (moved, any_scene, never), "turned": (turned, no_level, with_body_or_slope),
+    "mirrored": (mirrored, any_scene, with_body_or_slope), "units": (units, any_scene, lambda scene: "units of lengths"),
     "region in two": (region_in_two, no_start, under_load), "load in two": (load_in_two, loaded, never),
     "idle physics": (idle_physics, any_scene, never), "beyond reach": (beyond_reach, no_search, joined),
     "output times": (output_times, smooth, between_lines), "step": (step, smooth, between_lines), "rest": (rest, at_rest, between_lines),
