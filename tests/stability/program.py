@@ -1,6 +1,7 @@
 """Small cases and how to run them."""
 import os
 import pathlib
+import resource
 import subprocess
 import tempfile
 
@@ -41,3 +42,13 @@ def run(program, *arguments, cwd=None, timeout=300, **more):
     env = dict(os.environ, QT_QPA_PLATFORM="offscreen")
     return subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, env=env,
                           stdin=subprocess.DEVNULL, timeout=timeout, **more)
+
+
+class CpuLimit:
+    """preexec_fn of a process that may take so many seconds of processor time: a busy machine makes no hang."""
+
+    def __init__(self, seconds):
+        self.seconds = seconds
+
+    def __call__(self):
+        resource.setrlimit(resource.RLIMIT_CPU, (self.seconds, self.seconds + 60))

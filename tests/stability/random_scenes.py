@@ -11,7 +11,6 @@ fiftieth of the scenes may be of that kind (docs/limits.md). Every third scene i
 import collections
 import concurrent.futures
 import re
-import resource
 import shutil
 import signal
 import subprocess
@@ -20,7 +19,7 @@ import sys
 import h5py
 import numpy as np
 
-from program import folder, run
+from program import CpuLimit, folder, run
 
 wet = "--wet" in sys.argv
 arguments = [a for a in sys.argv[1:] if a != "--wet"]
@@ -29,7 +28,7 @@ first = int(arguments[3]) if len(arguments) > 3 else 1
 scratch = folder()
 most_gained = 0.01
 of_the_skeleton, of_the_water = "gained, drained too", "gained by water"
-most_seconds = 300  # of processor time: a busy machine makes no hang
+most_seconds = 300
 FAILURES = re.compile(r"mpm: at t = .* s, step \d+: |initial equilibrium: |mpm\.initial_equilibrium: ")
 
 
@@ -90,14 +89,10 @@ def out_of_books(energy):
     return gained, f"water from nothing: {lost:.3g} of it" if lost > 1e-9 else ""
 
 
-def limit_time():
-    resource.setrlimit(resource.RLIMIT_CPU, (most_seconds, most_seconds + 60))
-
-
 def simulate(there, text):
     there.mkdir()
     (there / "case.toml").write_text(text)
-    return run(program, "simulate", there, "--out", there / "out", "--threads", "1", "--quiet", timeout=7200, preexec_fn=limit_time)
+    return run(program, "simulate", there, "--out", there / "out", "--threads", "1", "--quiet", timeout=7200, preexec_fn=CpuLimit(most_seconds))
 
 
 def gains(there, done):
