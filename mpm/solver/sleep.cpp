@@ -8,7 +8,7 @@ namespace pivnp::mpm {
 
 namespace {
 
-constexpr std::int64_t look_every = 10;  // steps
+constexpr std::int64_t steps_between_looks = 10;  // steps
 constexpr double watched = 2;            // crossings of the material for which a block must have been quiet
 
 }  // namespace
@@ -21,14 +21,14 @@ void Solver::Impl::wake_what_moves() {
 
 void Solver::Impl::let_sleep() {
   if (!sleep.on()) return;
-  const bool look = state.steps % look_every == 0;
+  const bool look = state.steps % steps_between_looks == 0;
   state.balance.damping += sleep.fall_asleep(look, state.time, look ? watched * wave_across() : 0, p, g);
 }
 
 void Solver::Impl::look_for_rest(double dt) {
   if (!sleep.on()) return;
   sleep.count(dt, g.cells.order.size());
-  if ((state.steps + 1) % look_every != 0) return;
+  if ((state.steps + 1) % steps_between_looks != 0) return;
   std::vector<Vec2> flow;
   if (water) flow = water->flow_at_points(p, g, loading.tractions(), loading.gravity(state.time), state.time, choice.threads());
   sleep.look(state.time, push_per_mass(dt), wave_across(), g, reactions, flow);

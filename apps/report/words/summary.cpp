@@ -235,7 +235,7 @@ std::vector<SummaryRow> summary_rows(const Content& content) {
     const Metric* difference = find(metrics, source.difference);
     if (difference == nullptr || !std::isfinite(difference->value)) continue;
     rows.push_back({source.quantity, difference->unit, value(source.first), value(source.second), difference->value,
-                    difference->factor * difference->uncertainty, difference->verdict, difference->lost_in,
+                    difference->uncertainty, difference->factor, difference->verdict, difference->lost_in,
                     difference->limit});
     if (source.difference == std::string_view("displacement_rms_final")) {
       rows.back().first = last_mean(*content.comparison, "displacement_mean_first");
@@ -282,10 +282,12 @@ std::string histories_summary(const Content& content) {
 
 std::string summary(const Content& content, const DataSetNames& names, const DifferenceCurve& differences) {
   const std::vector<Metric>& metrics = content.comparison->metrics;
+  const Missing missing = missing_parts(metrics, names);
   std::string text;
   const Metric* rms = find(metrics, "displacement_rms");
   if (rms != nullptr && std::isfinite(rms->value))
-    text = how_far(content, names, *rms) + when_and_where(content, worst_of(content, differences)) + could_tell(*rms, names) + on_average(metrics, *rms);
+    text = how_far(content, names, *rms) + could_tell(*rms, names, missing) + on_average(metrics, *rms) +
+           when_and_where(content, worst_of(content, differences));
   else
     text = "How far the displacements differ is not known.";
   if (const Metric* strain = find(metrics, "strain_dev_rms")) text += strains(*strain);

@@ -14,11 +14,12 @@ namespace pivnp::report {
 struct SummaryRow {
   std::string quantity, unit;
   double first = 0, second = 0;
-  double difference = 0, counts_from = 0;  // the difference from which on it counts: Metric::factor uncertainties
+  double difference = 0, uncertainty = 0, factor = 0;  // it counts from so many uncertainties on
   Verdict verdict = Verdict::none;
   LostIn lost_in = LostIn::nothing;
   LimitFate limit = LimitFate::none;
 
+  double counts_from() const { return factor * uncertainty; }
   /// The verdict, by what the difference is not resolved, and what became of the limit: "agrees; limit met".
   std::string words() const;
 };

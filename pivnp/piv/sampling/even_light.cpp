@@ -9,7 +9,7 @@ namespace pivnp::piv {
 
 namespace {
 
-constexpr int reach = 6;  // px, three standard deviations
+constexpr int taps = 6;  // px, three standard deviations
 
 struct Plane {
   int width, height;
@@ -34,27 +34,27 @@ Plane plane_of(const ImageView& frame) {
 
 // Mean with Gaussian weights of 2 px; edge pixels stand for what is beyond.
 Plane blurred(const Plane& in, int threads) {
-  std::array<float, 2 * reach + 1> weight;
+  std::array<float, 2 * taps + 1> weight;
   float sum = 0;
-  for (int k = -reach; k <= reach; ++k) sum += weight[std::size_t(k + reach)] = std::exp(-float(k * k) / 8);
+  for (int k = -taps; k <= taps; ++k) sum += weight[std::size_t(k + taps)] = std::exp(-float(k * k) / 8);
   for (float& w : weight) w /= sum;
   Plane out = in;
 #pragma omp parallel num_threads(threads)
   {
-    std::vector<float> down(std::size_t(in.width + 2 * reach));
+    std::vector<float> down(std::size_t(in.width + 2 * taps));
 #pragma omp for schedule(static)
     for (int r = 0; r < in.height; ++r) {
       std::fill(down.begin(), down.end(), 0.0f);
-      for (int k = -reach; k <= reach; ++k) {
+      for (int k = -taps; k <= taps; ++k) {
         const float* from = in.row(std::clamp(r + k, 0, in.height - 1));
-        const float w = weight[std::size_t(k + reach)];
-        for (int c = 0; c < in.width; ++c) down[std::size_t(c + reach)] += w * from[c];
+        const float w = weight[std::size_t(k + taps)];
+        for (int c = 0; c < in.width; ++c) down[std::size_t(c + taps)] += w * from[c];
       }
-      std::fill_n(down.begin(), reach, down[std::size_t(reach)]);
-      std::fill_n(down.end() - reach, reach, down[std::size_t(reach + in.width - 1)]);
+      std::fill_n(down.begin(), taps, down[std::size_t(taps)]);
+      std::fill_n(down.end() - taps, taps, down[std::size_t(taps + in.width - 1)]);
       float* to = out.row(r);
       std::fill_n(to, in.width, 0.0f);
-      for (int k = 0; k <= 2 * reach; ++k)
+      for (int k = 0; k <= 2 * taps; ++k)
         for (int c = 0; c < in.width; ++c) to[c] += weight[std::size_t(k)] * down[std::size_t(c + k)];
     }
   }
