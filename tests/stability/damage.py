@@ -111,7 +111,7 @@ shutil.copy(whole / "record.h5", record)
 with h5py.File(record, "r+") as changed:
     changed.attrs["remark"] = "mine"
 result = run(program, "verify", record)
-assert result.returncode == 2 and len(errors(result)) == 1 and "1.8" in result.stderr, (result.stdout, result.stderr)
+assert result.returncode == 2 and len(errors(result)) == 1 and "1.9" in result.stderr, (result.stdout, result.stderr)
 result = run(program, "report", record)
 assert result.returncode == 0, result.stderr
 with h5py.File(record, "r+") as changed:  # as a program older than checksums would have left it

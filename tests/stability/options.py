@@ -159,7 +159,7 @@ VALUES = {
     "": {"name": ['"a name"']},
     "frames": {"path": [("DRAWN", {}, {"synth": None})], "first": ["1"], "last": ["3"], "stride": ["2"],
                "times": ['"even"', ('"stamps"', {"path": '"clip.avi"', "rate_hz": None}, {"synth": None})]},
-    "vectors": {"path": ['"csv_1.txt"'], "format": [(f'"{name}"', {"path": f'"{name}_1.txt"'}) for name in VECTOR_FILES], "rate_hz": ["50.0"]},
+    "vectors": {"path": ['"csv_1.txt"'], "format": [(f'"{name}"', {"path": f'"{name}_1.txt"'}) for name in VECTOR_FILES], "rate_hz": ["50.0"], "length_unit": ['"mm"']},
     "camera": {"origin_px": ["[10.0, 80.0]"], "points_px": [(TARGETS["camera"]["points_px"], {}, TARGETS)],
                "points_m": [(TARGETS["camera"]["points_m"], {}, TARGETS)], "length_unit": ['"ft"'], "metres_per_pixel": ["0.002"],
                "lens": ['"none"', ('"brown"', LENS), ('"fisheye"', LENS)], "focal_px": [("[800.0, 800.0]", LENS)], "centre_px": [("[48.0, 47.0]", LENS)],
@@ -197,7 +197,8 @@ VALUES = {
                  "type": [('"fixed"', SIDE), ('"roller"', SIDE), ('"frictional"', SIDE), ('"absorbing"', SIDE, AT_ONCE),
                           ('"traction"', TOP), ('"tied"', TIED)],
                  "normal": [("[-1.0, 0.0]", SIDE)], "friction": [("0.3", SIDE | {"type": '"frictional"'})], "until_s": [("0.01", SIDE)],
-                 "velocity_m_s": [("[0.001, 0.0]", SIDE | {"type": '"fixed"'})], "withdraw_m_s": [("[0.0, 2.0]", SIDE)],
+                 "velocity_m_s": [("[0.001, 0.0]", SIDE | {"type": '"fixed"'})],
+                 "motion": [('"motion.csv"', SIDE | {"type": '"fixed"'})], "withdraw_m_s": [("[0.0, 2.0]", SIDE)],
                  "withdraw_from_s": [("0.01", SIDE | {"withdraw_m_s": "[0.0, 2.0]"})], "traction_pa": [("[0.0, -50.0]", TOP)], "follows_face": [("true", TOP)],
                  "rise_s": [("0.01", TOP)], "across_m": [("[0.08, 0.0]", TIED)],
                  "pressure_pa": [("100.0", SIDE, FLOODED)], "drained": [("true", SIDE, FLOODED), ("false", SIDE, FLOODED)],
@@ -207,6 +208,8 @@ VALUES = {
                      ("temperature_c", "25.0", {}), ("heat_flux_w_m2", "10.0", {}), ("heat_transfer_w_m2_k", "5.0", {"temperature_c": "25.0"}))}},
     "body": {"circle_m": [BALL["circle_m"]], "polygon_m": ["[[0.01, 0.09], [0.07, 0.09], [0.07, 0.13], [0.01, 0.13]]"],
              "velocity_m_s": [("[0.0, -0.2]", BALL)], "friction": [("0.3", BALL)], "from_s": [("0.01", BALL)], "until_s": [("0.01", BALL)],
+             "motion": [('"motion.csv"', BALL | {"velocity_m_s": None})], "force": [('"force.csv"', BALL | {"mass_kg_m": "5.0"})],
+             "pivot_m": [("[0.04, 0.1]", BALL | {"angular_velocity_rad_s": "1.0"})],
              "mass_kg_m": [("5.0", BALL)], "mass_end_kg_m": [("6.0", BALL | {"mass_kg_m": "5.0", "mass_until_s": "0.02"})],
              "mass_from_s": [("0.01", BALL | {"mass_kg_m": "5.0", "mass_end_kg_m": "6.0", "mass_until_s": "0.02"})],
              "mass_until_s": [("0.02", BALL | {"mass_kg_m": "5.0", "mass_end_kg_m": "6.0"})],
@@ -375,6 +378,8 @@ def main():
         for k in range(5):
             (there / "masks" / f"{k}.pgm").write_bytes(b"P5 96 96 255\n" + bytes([0] * 96 * (8 + k) + [255] * 96 * (88 - k)))
         (there / "mask.pgm").write_bytes(b"P5 96 96 255\n" + bytes([0] * 96 * 8 + [255] * 96 * 88))
+        (there / "motion.csv").write_text("time_s,displacement_x_m,displacement_y_m\n0,0,0\n1,0.01,0\n")
+        (there / "force.csv").write_text("time_s,force_y_n_m\n0,0\n1,-1\n")
         (there / "stress.csv").write_text("x_m,y_m,stress_xx_pa,stress_yy_pa,stress_zz_pa,stress_xy_pa\n" +
                                           "".join(f"{0.09 * i},{0.09 * j},-50,{-100 + 100 * j},-50,0\n" for i in (0, 1) for j in (0, 1)))
         (there / "pressure.csv").write_text("x_m,y_m,pressure_pa\n0,0,300\n0.09,0,300\n0,0.09,100\n0.09,0.09,100\n")
