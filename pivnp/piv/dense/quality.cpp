@@ -67,7 +67,7 @@ std::vector<std::size_t> moving_light(const CellSums& sums, float rounding) {
   binomial_mean(lattice, sums[CellSums::f], f);
   binomial_mean(lattice, sums[CellSums::g], g);
   binomial_mean(lattice, sums[CellSums::usable], usable);
-  const float whole = 0.9f * static_cast<float>(lattice.step * lattice.step);
+  const float whole = 0.999f * static_cast<float>(lattice.step * lattice.step);  // no mask in sight
   for (std::size_t k = 0; k < change.size(); ++k) {
     if (usable[k] > whole && f[k] + g[k] > 0) known.push_back(change[k] = std::abs(f[k] - g[k]) / (f[k] + g[k]));
   }
