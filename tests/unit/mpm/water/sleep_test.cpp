@@ -39,6 +39,7 @@ MpmOptions in_bed(PressureScheme pressure, bool sleeps) {
   MpmOptions o = options({0, -9.81});
   o.pressure = pressure;
   o.damping = 0.1;
+  o.transfer = TransferKind::apic;  // what rests is asleep soon
   o.end_at_rest = false;
   if (sleeps) o.sleep_below_m_s = slow;
   return o;
