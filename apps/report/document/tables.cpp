@@ -85,7 +85,7 @@ std::optional<Table> summary_table(const Content& content, const DataSetNames& n
       return std::isfinite(v) ? significant(v * unit.factor, digits) + unit_suffix(unit.name) : std::string("\u2013");
     };
     t.rows.push_back({row.quantity, cell(row.first, 3), cell(row.second, 3), cell(row.difference, 3),
-                      std::isfinite(row.counts_from()) ? cell(row.counts_from(), 2) : "not known", row.words()});
+                      row.counts_from() > 0 ? cell(row.counts_from(), 2) : "not known", row.words()});
     t.marked.push_back(row.limit == LimitFate::exceeded ? std::optional<std::size_t>(5) : std::nullopt);
   }
   return t;

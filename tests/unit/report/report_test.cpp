@@ -205,7 +205,7 @@ TEST_F(Report, LikeWithLike) {
   for (const auto& motion : {mpm, np}) {
     s.content.measured = s.content.simulated = motion;
     write(s);
-    EXPECT_TRUE(says("Second minus first. By chance") && says("Two motions compared")) << motion->name();
+    EXPECT_TRUE(says("Second minus first. Counts from") && says("Two motions compared")) << motion->name();
     EXPECT_FALSE(says("Simulated") || says("simulated minus") || says("of the measured")) << motion->name();
   }
 }
