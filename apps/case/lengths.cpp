@@ -89,9 +89,11 @@ void take_lengths_in_metres(Case& c, const Source& source) {
   const bool scaled = c.camera.metres_per_pixel || !c.camera.points_px.empty(), pictured = c.frames || c.synth;
   if (pictured && !scaled) return;  // px
   const LengthUnit* unit = unit_named(name);
-  if (!unit && (c.mpm || c.synth_mpm))
+  // Another name is a length of the scene ("D"), in which its author states all else as well; a foot is not.
+  static constexpr std::string_view foreign[] = {"ft", "foot", "feet", "in", "inch", "yd", "nm", "mil"};
+  if ((c.mpm || c.synth_mpm) && std::ranges::find(foreign, name) != std::ranges::end(foreign))
     throw InputError(source.at("camera.length_unit") + ": found \"" + name +
-                     "\", expected m, mm, cm, km or um: a simulation runs in metres");
+                     "\", expected m, mm, cm, km or um, or a length of the scene: a simulation runs in metres");
   if (!unit || name == "m") return;
   for_each_section(c, Converted{*unit, source});
   if (c.vectors && c.vectors->length_unit.empty()) c.vectors->length_unit = name;

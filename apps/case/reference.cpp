@@ -85,7 +85,7 @@ constexpr const char* rules = R"(```
   y upward from the origin.
 - `camera.length_unit = "mm"` (cm, km, um): every length (unit m or m/px below) is given in millimetres. Other keys keep
   their units (m/s, m/s^2, kg/m^3, Pa/m), and so do files whose columns name theirs. The case is read into metres; record,
-  limits and report are in metres. Any other name is a length of the scene, for measuring alone.
+  limits and report are in metres. Any other name is a length of the scene.
 - Without a known rate times are counted in frames.
 - Points are pairs of numbers: `[[x, y], [x, y], ...]`. Outlines must not cross themselves; either sense will do.
 - Relative paths are relative to the case file; `--frames PATH` on the command line, relative to the current folder,

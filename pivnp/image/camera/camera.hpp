@@ -41,7 +41,7 @@ struct CameraOptions {
     visit("points_m", self.points_m,
           OptionInfo{.unit = "m", .text = "the same targets in the world, in the same order"});
     visit("length_unit", self.length_unit,
-          OptionInfo{.text = "unit of the case's lengths: m, mm, cm, km or um, read into metres; another name, a length of the scene, without a simulation"});
+          OptionInfo{.text = "unit of the case's lengths: m, mm, cm, km or um, read into metres; another name is a length of the scene"});
     visit("lens", self.lens,
           OptionInfo{.text = "distortion of the lens, as `pivnp calibrate` finds it: none; brown, radial and tangential; "
                              "fisheye. metres_per_pixel then holds on the lens's axis"});

@@ -49,7 +49,7 @@ TEST(Lengths, DefaultsAreInMetres) {
 }
 
 TEST(Lengths, ASimulationRunsInMetres) {
-  const std::string text = "[camera]\nlength_unit = \"D\"\n[grid]\nspacing_m = 0.1\narea_m = [[0.0, 0.0], [1.0, 1.0]]\n[region.a]\npolygon_m = [[0.0, 0.0], "
+  const std::string text = "[camera]\nlength_unit = \"ft\"\n[grid]\nspacing_m = 0.1\narea_m = [[0.0, 0.0], [1.0, 1.0]]\n[region.a]\npolygon_m = [[0.0, 0.0], "
                            "[0.5, 0.0], [0.5, 0.5]]\n[material.a]\nmodel = \"linear_elastic\"\nyoung_pa = 1e6\n[mpm]\nend_s = 1.0\noutput_rate_hz = 10.0\n";
   try {
     parse_case(text, "d", ".");
