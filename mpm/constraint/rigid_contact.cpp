@@ -178,7 +178,7 @@ void RigidBodies::find_contacts(double time, double dt, double least_mass, std::
           const bool touches = gap <= sticking * spacing_ || (body.boundary && time == 0);
           c.pulls = body.grips && (touches || !std::isnan(held));
           if (c.pulls) {
-            if (std::isnan(held) && time >= 0) held = gap;
+            if (std::isnan(held) && time == 0) held = gap;
             c.part = 0;
           }
         } else {

@@ -286,7 +286,10 @@ Bearing footing(int cells, ShapeKind shape, bool wet, PressureScheme pressure = 
                   {"left", line({0, 0}, {0, 3}, "roller")},
                   {"right", line({4, 0}, {4, 3}, "roller")},
                   {"footing", line({0, 2.5}, {1, 2.5}, "fixed")}};
-  s.boundaries.back().second.velocity_m_s = Pair{0, -v};
+  BoundaryOptions& plate = s.boundaries.back().second;  // the nodes within it, beside water and without
+  plate.line_m.clear();
+  plate.polygon_m = {{-0.1, 2.49}, {1.01, 2.49}, {1.01, 2.9}, {-0.1, 2.9}};
+  plate.velocity_m_s = Pair{0, -v};
   MpmOptions o = options();
   o.shape = shape;
   o.locking = Locking::fbar;
