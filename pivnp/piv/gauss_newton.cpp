@@ -106,7 +106,7 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
   correlate_as_they_are(first, second, vectors);
   const std::vector<std::size_t> suspected = moving_light(sums_, rounding_);
   if (suspected.empty()) return;
-  // Again on frames freed of light; that field stays if the texture matches better by it than by the first one.
+  // Again on frames freed of light; that field stays if the texture matches better by it, and no fewer vectors hold.
   const DenseField field_as_is = dense_;
   const PixelVectors vectors_as_is = vectors;
   const float rounding = rounding_;
@@ -120,7 +120,8 @@ void GaussNewton::correlate(const ImageView& first, const ImageView& second, Pix
   v_ = v;
   const float as_is = mismatch_at(suspected);
   rounding_ = rounding;
-  if (freed < as_is) return;
+  const auto valid = [](const PixelVectors& of) { return std::ranges::count(of.status, VectorStatus::valid); };
+  if (freed < as_is && valid(vectors) >= valid(vectors_as_is)) return;
   dense_ = field_as_is;
   vectors = vectors_as_is;
 }
