@@ -59,7 +59,7 @@ void match_quality(const CellSums& sums, MatchQuality& quality) {
 }
 
 std::vector<std::size_t> moving_light(const CellSums& sums, float rounding) {
-  constexpr float least_change = 0.012f, usual = 6, least_share = 1e-3f, most_sigma = 0.45f, all_round = 0.9f;
+  constexpr float least_change = 0.012f, usual = 6, least_share = 0.02f, most_sigma = 0.45f, all_round = 0.9f;
   constexpr std::size_t least_points = 8;
   constexpr int reach = 4;
   const CellLattice& lattice = sums.lattice;
