@@ -39,11 +39,11 @@ struct GridOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("spacing_px", self.spacing_px, OptionInfo{.unit = "px", .text = "distance between nodes (left out, as spacing_m: a quarter of the window)", .min = 1});
-    visit("spacing_m", self.spacing_m, OptionInfo{.unit = "m", .text = "distance between nodes in the world", .min = 0, .above_min = true});
-    visit("margin_px", self.margin_px, OptionInfo{.unit = "px", .text = "distance from the outermost nodes to the image's edge (left out: half the window)", .min = 0});
-    visit("area_px", self.area_px, OptionInfo{.unit = "px", .text = "two opposite corners (column, row) of the grid (left out: the whole image)"});
-    visit("area_m", self.area_m, OptionInfo{.unit = "m", .text = "two opposite corners of the grid in the world"});
+    visit("spacing_px", self.spacing_px, OptionInfo{.unit = "px", .text = "distance between nodes; default: a quarter of the window", .min = 1});
+    visit("spacing_m", self.spacing_m, OptionInfo{.unit = "m", .text = "the same in the world", .min = 0, .above_min = true});
+    visit("margin_px", self.margin_px, OptionInfo{.unit = "px", .text = "from the outermost nodes to the image's edge; default: half the window", .min = 0});
+    visit("area_px", self.area_px, OptionInfo{.unit = "px", .text = "two opposite corners (column, row) of the grid; default: the whole image"});
+    visit("area_m", self.area_m, OptionInfo{.unit = "m", .text = "the same in the world"});
   }
 };
 
@@ -56,7 +56,7 @@ struct RegionOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "outline of the material at the first frame"});
     visit("polygon_px", self.polygon_px, OptionInfo{.unit = "px", .text = "the same in pixels (column, row)"});
-    visit("material", self.material, OptionInfo{.text = "name of its material (left out: the region's own name)"});
+    visit("material", self.material, OptionInfo{.text = "name of its material; default: the region's name"});
   }
 };
 
@@ -75,21 +75,19 @@ struct InitialOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity (x, y) at time 0"});
-    visit("spin_rad_s", self.spin_rad_s, OptionInfo{.unit = "rad/s", .text = "angular velocity at time 0 about the region's centre of mass, counter-clockwise"});
-    visit("stress_pa", self.stress_pa, OptionInfo{.unit = "Pa", .text = "stress xx, yy, zz, xy at stress_level_m, tension positive; effective stress where there is water. With mpm.initial_equilibrium the state from which the equilibrium is sought, else that at time 0"});
-    visit("stress_gradient_pa_m", self.stress_gradient_pa_m, OptionInfo{.unit = "Pa/m", .text = "its change a metre upwards, xx, yy, zz, xy (left out: uniform)"});
-    visit("stress_level_m", self.stress_level_m, OptionInfo{.unit = "m", .text = "height y of stress_pa (left out: 0)"});
-    visit("stress_file", self.stress_file, OptionInfo{.text = "in place of stress_pa: a CSV file with the columns x_m, y_m, stress_xx_pa, stress_yy_pa, stress_zz_pa and stress_xy_pa, in any order of rows; linear between"});
+    visit("spin_rad_s", self.spin_rad_s, OptionInfo{.unit = "rad/s", .text = "angular velocity at time 0 about the centre of mass, anticlockwise"});
+    visit("stress_pa", self.stress_pa, OptionInfo{.unit = "Pa", .text = "stress xx, yy, zz, xy at stress_level_m, tension positive (effective in wet soil)"});
+    visit("stress_gradient_pa_m", self.stress_gradient_pa_m, OptionInfo{.unit = "Pa/m", .text = "change of stress_pa per metre upwards; default: 0"});
+    visit("stress_level_m", self.stress_level_m, OptionInfo{.unit = "m", .text = "height y of stress_pa; default: 0"});
+    visit("stress_file", self.stress_file, OptionInfo{.text = "CSV in place of stress_pa: x_m, y_m, stress_xx_pa, stress_yy_pa, stress_zz_pa, stress_xy_pa"});
     visit("pressure_pa", self.pressure_pa,
           OptionInfo{.unit = "Pa",
-                     .text = "pressure of the water in the pores at pressure_level_m and time 0, with [water]; it "
-                             "stays while mpm.initial_equilibrium is sought (left out: that of water.start)"});
+                     .text = "pore pressure at pressure_level_m and time 0; default: that of water.start"});
     visit("pressure_gradient_pa_m", self.pressure_gradient_pa_m,
-          OptionInfo{.unit = "Pa/m", .text = "its change a metre upwards (left out: uniform)"});
-    visit("pressure_level_m", self.pressure_level_m, OptionInfo{.unit = "m", .text = "height y of pressure_pa (left out: 0)"});
+          OptionInfo{.unit = "Pa/m", .text = "its change per metre upwards; default: 0"});
+    visit("pressure_level_m", self.pressure_level_m, OptionInfo{.unit = "m", .text = "height y of pressure_pa; default: 0"});
     visit("pressure_file", self.pressure_file,
-          OptionInfo{.text = "in place of pressure_pa: a CSV file with the columns x_m, y_m and pressure_pa, in any "
-                             "order of rows; linear between"});
+          OptionInfo{.text = "CSV in place of pressure_pa: x_m, y_m, pressure_pa"});
   }
 };
 
@@ -98,7 +96,7 @@ struct OutputOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("fields", self.fields_stored, OptionInfo{.text = "computed fields to store as well (strain_dev, velocity_x ...; docs/format.md)"});
+    visit("fields", self.fields_stored, OptionInfo{.text = "computed fields to store as well, by their names in docs/format.md"});
   }
 };
 
@@ -133,20 +131,20 @@ struct SynthOptions {
     visit("width_px", self.width_px, OptionInfo{.unit = "px", .text = "width of the frames", .min = 16, .max = 20000});
     visit("height_px", self.height_px, OptionInfo{.unit = "px", .text = "height of the frames", .min = 16, .max = 20000});
     visit("frames", self.frames, OptionInfo{.text = "number of frames", .min = 2, .max = 100000});
-    visit("motion", self.motion, OptionInfo{.text = "none; affine: the same increment every frame; mpm: simulated by [synth.mpm] with [synth.material.*]; slope: three stages in closed form, gravity, wetting, slip; record: the material points of a finished simulation"});
-    visit("gradient_per_frame", self.gradient_per_frame, OptionInfo{.text = "affine: xx xy yx yy of the displacement gradient of one frame, world axes"});
+    visit("motion", self.motion, OptionInfo{.text = "affine: equal increments; mpm: by [synth.mpm]; slope: settlement, wetting, slip in closed form; record: of a simulation"});
+    visit("gradient_per_frame", self.gradient_per_frame, OptionInfo{.text = "affine: displacement gradient xx xy yx yy of one frame"});
     visit("shift_px_per_frame", self.shift_px_per_frame, OptionInfo{.unit = "px", .text = "affine: shift of one frame (x, y up)"});
     visit("rotation_deg_per_frame", self.rotation_deg_per_frame, OptionInfo{.unit = "deg", .text = "affine: rotation of one frame, anticlockwise, after the gradient"});
     visit("centre_px", self.centre_px, OptionInfo{.unit = "px", .text = "affine: the fixed point (column, row)"});
-    visit("lose_texture_at", self.lose_texture_at, OptionInfo{.text = "affine: from this frame on a tenth of the texture is replaced in each of ten frames (0: never)", .min = 0});
+    visit("lose_texture_at", self.lose_texture_at, OptionInfo{.text = "affine: from this frame on ten frames each lose a tenth of the texture (0: never)", .min = 0});
     visit("settlement", self.settlement, OptionInfo{.text = "slope: vertical strain under the weight, first third of the frames", .min = 0, .max = 0.5});
-    visit("collapse", self.collapse, OptionInfo{.text = "slope: vertical strain behind the wetting front, which rises from the base in the second third", .min = 0, .max = 0.5});
+    visit("collapse", self.collapse, OptionInfo{.text = "slope: vertical strain behind the rising wetting front, second third", .min = 0, .max = 0.5});
     visit("slip_centre_px", self.slip_centre_px, OptionInfo{.unit = "px", .text = "slope: centre (column, row) of the slip circle"});
-    visit("slip_radius_px", self.slip_radius_px, OptionInfo{.unit = "px", .text = "slope: radius of the slip circle", .min = 0});
+    visit("slip_radius_px", self.slip_radius_px, OptionInfo{.unit = "px", .text = "slope: its radius", .min = 0});
     visit("slip_band_px", self.slip_band_px, OptionInfo{.unit = "px", .text = "slope: half width of the shear band along it", .min = 0, .above_min = true});
-    visit("slip_deg", self.slip_deg, OptionInfo{.unit = "deg", .text = "slope: rotation of the body that slips, anticlockwise, accelerating over the last third of the frames"});
-    visit("record", self.record, OptionInfo{.text = "record: FILE or FILE:MOTION, whose states carry the texture; it has one at every frame's time"});
-    visit("grains_deform", self.grains_deform, OptionInfo{.text = "grains take the deformation gradient of their material (left out: they stay round)"});
+    visit("slip_deg", self.slip_deg, OptionInfo{.unit = "deg", .text = "slope: rotation of the slipping body, anticlockwise, last third"});
+    visit("record", self.record, OptionInfo{.text = "record: FILE or FILE:MOTION, with a state at every frame's time"});
+    visit("grains_deform", self.grains_deform, OptionInfo{.text = "grains deform with their material"});
   }
 };
 
@@ -162,13 +160,13 @@ struct SynthCameraOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("shake_px", self.shake_px, OptionInfo{.unit = "px", .text = "greatest shift of a frame along columns and rows, at random", .min = 0, .max = 100});
-    visit("bump_px", self.bump_px, OptionInfo{.unit = "px", .text = "shift (columns, rows) of all frames from bump_at on"});
-    visit("bump_deg", self.bump_deg, OptionInfo{.unit = "deg", .text = "rotation about the middle of the image, clockwise, of the same"});
+    visit("shake_px", self.shake_px, OptionInfo{.unit = "px", .text = "greatest random shift of a frame along columns and rows", .min = 0, .max = 100});
+    visit("bump_px", self.bump_px, OptionInfo{.unit = "px", .text = "shift (columns, rows) from frame bump_at on"});
+    visit("bump_deg", self.bump_deg, OptionInfo{.unit = "deg", .text = "rotation about the image's middle, clockwise, of the same"});
     visit("bump_at", self.bump_at, OptionInfo{.text = "first frame after the bump (0: none)", .min = 0});
     visit("drift_px_per_frame", self.drift_px_per_frame, OptionInfo{.unit = "px", .text = "shift (columns, rows) that grows from frame to frame"});
-    visit("zoom_per_frame", self.zoom_per_frame, OptionInfo{.text = "growth of the image about its middle from frame to frame, share", .min = -0.1, .max = 0.1});
-    visit("still_px", self.still_px, OptionInfo{.unit = "px", .text = "polygon (column, row) of texture at rest, in place of any other there"});
+    visit("zoom_per_frame", self.zoom_per_frame, OptionInfo{.text = "growth of the image about its middle per frame, as a fraction", .min = -0.1, .max = 0.1});
+    visit("still_px", self.still_px, OptionInfo{.unit = "px", .text = "polygon (column, row) of texture at rest"});
   }
 
   bool moves() const {
@@ -188,13 +186,13 @@ struct VerifyOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("displacement_rms_px", self.displacement_rms_px, OptionInfo{.unit = "px", .text = "greatest RMS error of the particles' final displacement", .min = 0});
-    visit("strain_error", self.strain_error, OptionInfo{.text = "greatest error of the mean final log strain, any component", .min = 0});
-    visit("nodal_error", self.nodal_error, OptionInfo{.text = "affine: greatest error of log strain, and of displacement over the spacing, through exact nodal increments", .min = 0});
-    visit("lost_share", self.lost_share, OptionInfo{.text = "greatest share of particles not followed to the end", .min = 0, .max = 1});
-    visit("drift_px", self.drift_px, OptionInfo{.unit = "px", .text = "all four schemes of np.drift are run; greatest RMS error of the corrected final displacement", .min = 0});
-    visit("camera_px", self.camera_px, OptionInfo{.unit = "px", .text = "greatest part of the motion of [synth.camera] that [camera.motion] leaves, in any frame, at the image's corners", .min = 0});
-    visit("drift_ratio", self.drift_ratio, OptionInfo{.text = "the same; greatest ratio of that error to the one of summed increments", .min = 0});
+    visit("displacement_rms_px", self.displacement_rms_px, OptionInfo{.unit = "px", .text = "RMS error of the particles' final displacement", .min = 0});
+    visit("strain_error", self.strain_error, OptionInfo{.text = "error of any component of the mean final log strain", .min = 0});
+    visit("nodal_error", self.nodal_error, OptionInfo{.text = "affine: error of log strain, and of displacement over spacing, with exact nodal increments", .min = 0});
+    visit("lost_share", self.lost_share, OptionInfo{.text = "fraction of particles not followed to the end", .min = 0, .max = 1});
+    visit("drift_px", self.drift_px, OptionInfo{.unit = "px", .text = "RMS error of the corrected final displacement; runs all schemes of np.drift", .min = 0});
+    visit("camera_px", self.camera_px, OptionInfo{.unit = "px", .text = "part of the motion of [synth.camera] that [camera.motion] leaves, at the image's corners", .min = 0});
+    visit("drift_ratio", self.drift_ratio, OptionInfo{.text = "that error over the one of summed increments", .min = 0});
   }
 };
 

@@ -69,9 +69,11 @@ std::string note_on(const T&, std::string_view) {
   return "";
 }
 std::string note_on(const mpm::MaterialOptions&, std::string_view key) {
+  const std::vector<std::string> users = mpm::models_with_key(key);
+  if (users.size() + 1 == mpm::material_model_names().size()) return " (all but water)";
   std::string laws;
-  for (const std::string& model : mpm::models_with_key(key)) laws += (laws.empty() ? "; used by " : ", ") + model;
-  return laws;
+  for (const std::string& model : users) laws += (laws.empty() ? " (" : ", ") + model;
+  return laws.empty() ? "" : laws + ")";
 }
 
 template <class Section>

@@ -1,4 +1,8 @@
 // docs/case.md: made from the option lists, with a worked example that a test reads.
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
 #include "apps/case/case.hpp"
 #include "apps/case/listing.hpp"
 
@@ -10,12 +14,12 @@ constexpr const char* introduction = R"(# The case file
 
 <!-- Generated from the option lists in the sources: cmake --build build/release --target case_reference -->
 
-A case is one [TOML](https://toml.io) file. `pivnp check CASE` validates it and draws its first frame with grid, masks
-and regions; `pivnp init FRAMES` writes a commented one to begin with. CASE is a file, or a folder with a `case.toml`.
+Every key that a case may have. A case is one [TOML](https://toml.io) file, or a folder with a `case.toml`. `pivnp init
+FRAMES` writes one to begin with; `pivnp check CASE` validates it and draws its first frame with grid, masks and regions.
 
 ## A worked example
 
-A sand slope behind a gate, filmed at 50 frames a second, measured, simulated and compared:
+A sand slope behind a gate, measured, simulated and compared:
 
 ```toml
 )";
@@ -77,57 +81,79 @@ constexpr const char* rules = R"(```
 
 ## Rules
 
-- Keys carry their unit. A whole number is accepted where a number is wanted, not the reverse; `nan` and `inf` are
-  refused. An unknown section or key is an error that names its line and the nearest known name.
-- What is left out is chosen; the record keeps the case with every default filled in.
-- The world has x to the right and y upward. Pixels are (column, row), row downward, pixel centres on whole numbers.
-- Without `camera.metres_per_pixel` and without targets the world is measured in pixels: every `_m` then means px, with
-  y upward from the origin.
-- `camera.length_unit = "mm"` (cm, km, um): every length (unit m or m/px below) is given in millimetres. Other keys keep
-  their units (m/s, m/s^2, kg/m^3, Pa/m), and so do files whose columns name theirs. The case is read into metres; record,
-  limits and report are in metres. Any other name is a length of the scene.
-- Without a known rate times are counted in frames.
-- Points are pairs of numbers: `[[x, y], [x, y], ...]`. Outlines must not cross themselves; either sense will do.
-- Relative paths are relative to the case file; `--frames PATH` on the command line, relative to the current folder,
-  wins over `frames.path`.
-- A region is made of the material it names, or of the one that bears its own name.
-- Without `[mpm]` a case measures only. Without `[frames]` and `[synth]` it simulates only: then `mpm.end_s`,
-  `mpm.output_rate_hz` and `grid.spacing_m` must be given.
-- `compare.limits` are checked at the end of a run: one that is exceeded gives exit code 3.
+- Keys carry their unit. Whole numbers may stand where numbers are wanted, not the reverse; `nan` and `inf` are refused.
+  An unknown key is an error that names its line and the nearest known name.
+- The record keeps the case with every default filled in.
+- World: x to the right, y upward. Pixels: (column, row), row downward, centres on whole numbers. Outlines must not
+  cross themselves.
+- Without `camera.metres_per_pixel` and targets lengths are in pixels (`_m` then means px); without a rate times are in
+  frames.
+- With `camera.length_unit = "mm"` (cm, km, um) every length (unit m or m/px) is in millimetres; other units, and files
+  whose columns name theirs, stay. Record, limits and report are in metres.
+- Histories and CSV files are linear between their rows, constant beyond; changes (`_from_s`, `_until_s`) are linear.
+- Paths are relative to the case file; `--frames PATH`, relative to the current folder, wins.
+- Without `[mpm]` a case only measures. Without `[frames]` and `[synth]` it only simulates and needs `mpm.end_s`,
+  `mpm.output_rate_hz` and `grid.spacing_m`.
+
+In brackets: what a value may be, its unit, and the default. Of `[x.NAME]` there may be any number, NAME is yours.
 
 ## Top level
 
-| key | type | default | meaning |
-|---|---|---|---|
-| `name` | a string | the name of the case's folder | title of the case |
+- `name` (string): title of the case; default: the name of its folder
 )";
 
-std::string cell(const std::string& text) {  // a | would end the cell
-  std::string escaped;
-  for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
-  return escaped;
+std::string in_signs(std::string range) {
+  constexpr std::pair<std::string_view, std::string_view> signs[] = {
+      {"more than", ">"}, {"at least", "≥"}, {"less than", "<"}, {"at most", "≤"}};
+  for (const auto& [words, sign] : signs)
+    if (const std::size_t at = range.find(words); at != std::string::npos) range.replace(at, words.size(), sign);
+  return range;
 }
 
-std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
+// What a value may be: its choices, or range or type, and unit; then the default.
+std::string value(const KeyRow& row) {
+  const std::string fallback = row.fallback.empty() ? "" : "`" + row.fallback + "`";
+  std::string text = in_signs(row.allowed);
+  if (row.type == "true or false" && !fallback.empty()) return fallback;
+  if (row.type == "a whole number" && !text.empty()) text.insert(0, "whole ");
+  if (text.empty() || row.type.find('[') != std::string::npos || row.type.find("list") != std::string::npos) {
+    text = row.type.substr(row.type.starts_with("a ") ? 2 : 0);
+    if (const std::size_t form = text.find('['); form != std::string::npos) text.erase(0, form);
+  }
+  if (!row.unit.empty()) text.append(", ").append(row.unit);
+  return fallback.empty() ? text : text.append("; ").append(fallback);
+}
 
-const char* presence(SectionRow::Kind kind) {
-  if (kind == SectionRow::Kind::optional) return "Optional section. ";
-  if (kind == SectionRow::Kind::named) return "Any number of sections, each with a NAME of your choice. ";
-  return "";
+const char* presence(SectionRow::Kind kind) { return kind == SectionRow::Kind::optional ? "Optional. " : ""; }
+
+std::string heading(const SectionRow& section) {
+  return section.path + (section.kind == SectionRow::Kind::named ? ".NAME" : "");
+}
+
+// The section before this one that has the same keys.
+const SectionRow* mirrored(const std::vector<SectionRow>& sections, const SectionRow& section) {
+  for (const SectionRow& other : sections) {
+    if (&other == &section) break;
+    if (std::equal(other.keys.begin(), other.keys.end(), section.keys.begin(), section.keys.end(),
+                   [](const KeyRow& a, const KeyRow& b) { return a.key == b.key && a.text == b.text; }))
+      return &other;
+  }
+  return nullptr;
 }
 
 }  // namespace
 
 std::string case_reference() {
   std::string text = std::string(introduction) + example + rules;
-  for (const SectionRow& section : case_sections()) {
-    const bool named = section.kind == SectionRow::Kind::named;
-    text +=
-        "\n## [" + section.path + (named ? ".NAME]" : "]") + "\n\n" + presence(section.kind) + section.text + "\n\n";
-    text += "| key | type | unit | default | allowed | meaning |\n|---|---|---|---|---|---|\n";
+  const std::vector<SectionRow> sections = case_sections();
+  for (const SectionRow& section : sections) {
+    text += "\n## [" + heading(section) + "]\n\n" + presence(section.kind) + section.text + "\n\n";
+    if (const SectionRow* other = mirrored(sections, section)) {
+      text += "Keys: those of [" + heading(*other) + "].\n";
+      continue;
+    }
     for (const KeyRow& row : section.keys)
-      text += "| `" + row.key + "` | " + row.type + " | " + row.unit + " | " + code(cell(row.fallback)) + " | " +
-              cell(row.allowed) + " | " + cell(row.text) + " |\n";
+      text.append("- `").append(row.key).append("` (").append(value(row)).append("): ").append(row.text).append("\n");
   }
   return text;
 }

@@ -48,17 +48,15 @@ struct CompareOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("reference_m", self.reference_m,
           OptionInfo{.unit = "m",
-                     .text = "polygon of material whose mean motion is subtracted from both data sets (the far soil)"});
+                     .text = "polygon whose mean motion is subtracted from both (the far soil)"});
     visit("fixed_zone_m", self.fixed_zone_m,
           OptionInfo{.unit = "m",
-                     .text = "polygon of material that stands still: the shift and rotation found there are removed "
-                             "from each data set at each time"});
+                     .text = "polygon at rest: shift and rotation found there are removed from each"});
     visit("time_alignment", self.time_alignment,
-          OptionInfo{.text = "onset: the second's clock is set so that both motions begin at the same time"});
+          OptionInfo{.text = "onset: both motions begin at the same time"});
     visit("time_offset_s", self.time_offset_s, OptionInfo{.unit = "s", .text = "added to the second's times"});
     visit("space_alignment", self.space_alignment,
-          OptionInfo{.text = "outline: the second's coordinates are shifted and turned so that both outlines at the common "
-                             "start agree (within fixed_zone_m, where given)"});
+          OptionInfo{.text = "outline: shift and turn the second until the outlines at the start agree"});
     visit("second_shift_m", self.second_shift_m,
           OptionInfo{.unit = "m", .text = "added to the second's positions, after scale and rotation"});
     visit("second_rotation_deg", self.second_rotation_deg,
@@ -69,54 +67,47 @@ struct CompareOptions {
           OptionInfo{.text = "multiplies the second's times", .min = 0, .above_min = true});
     visit("measurement_uncertainty_m", self.measurement_uncertainty_m,
           OptionInfo{.unit = "m",
-                     .text = "standard uncertainty of a displacement component beside the random error (left out: the "
-                             "camera's residual)",
+                     .text = "standard uncertainty of a displacement besides random errors; default: the camera's residual",
                      .min = 0});
     visit("gauge_uncertainty", self.gauge_uncertainty,
-          OptionInfo{.text = "relative standard uncertainty of the scale of lengths", .min = 0, .max = 1});
+          OptionInfo{.text = "relative standard uncertainty of the scale", .min = 0, .max = 1});
     visit("numerical_uncertainty_m", self.numerical_uncertainty_m,
           OptionInfo{.unit = "m",
-                     .text = "standard numerical uncertainty of a displacement component, where it is known otherwise "
-                             "than by coarser grids",
+                     .text = "standard numerical uncertainty of a displacement, if not by mesh_study",
                      .min = 0});
     visit("input_uncertainty_m", self.input_uncertainty_m,
           OptionInfo{.unit = "m",
-                     .text = "standard uncertainty of a simulated displacement component from the model's inputs",
+                     .text = "standard uncertainty of a simulated displacement from the inputs",
                      .min = 0});
     visit("correlation_m", self.correlation_m,
           OptionInfo{.unit = "m",
-                     .text = "distance over which neighbouring particles share their random errors (left out: the gauge "
-                             "length that the measurement's record states, else the whole material)",
+                     .text = "distance over which particles share random errors; default: the gauge length",
                      .min = 0,
                      .above_min = true});
     visit("verdict_coverage", self.verdict_coverage,
-          OptionInfo{.text = "least share of the first's particles that are compared, at the start and at the end, for "
-                             "which verdicts are given (0: always)",
+          OptionInfo{.text = "fraction of the first's particles to be compared for verdicts (0: always)",
                      .min = 0,
                      .max = 1});
     visit("slope_base_m", self.slope_base_m,
           OptionInfo{.unit = "m",
-                     .text = "height of the base a slope rests on: run-out, crest and slope angle are taken above it"});
+                     .text = "height of the base below a slope, for run-out, crest and slope angle"});
     visit("mobilised_m", self.mobilised_m,
           OptionInfo{.unit = "m",
-                     .text = "displacement above which material counts as mobilised (left out: 5 % of the first's "
-                             "greatest)",
+                     .text = "displacement of mobilised material; default: 5 % of the first's greatest",
                      .min = 0});
     visit("band_strain", self.band_strain,
-          OptionInfo{.text = "deviatoric strain above which a ridge is a shear band, and at which it begins",
+          OptionInfo{.text = "deviatoric strain at which a shear band begins",
                      .min = 0,
                      .above_min = true});
     visit("points_m", self.points_m,
           OptionInfo{.unit = "m", .text = "material points whose histories are compared"});
     visit("increments_outside_m", self.increments_outside_m,
           OptionInfo{.unit = "m",
-                     .text = "circle (centre x, y, radius) inside which increments are not compared (a tool)"});
+                     .text = "circle (centre x, y, radius) without comparison of increments (a tool)"});
     visit("levelling", self.levelling,
-          OptionInfo{.text = "also measure the simulation: the first frame, carried by the simulated motion, goes "
-                             "through the same PIV and particles"});
+          OptionInfo{.text = "measure the simulation too: the first frame, carried by its motion, through the same PIV"});
     visit("mesh_study", self.mesh_study,
-          OptionInfo{.text = "number of coarser grids on which a case is simulated as well (cells 1.3 and 1.69 times as "
-                             "large), for the numerical part of u_val",
+          OptionInfo{.text = "number of coarser grids (1.3 and 1.69 h) for the numerical uncertainty",
                      .min = 0,
                      .max = 2});
   }

@@ -11,24 +11,24 @@ namespace pivnp::compare {
 
 Registry<LimitRow>& limit_rows() {
   static Registry<LimitRow> rows{
-      {"displacement_rms_m", "m", "greatest RMS displacement difference, over space and time"},
-      {"displacement_p95_m", "m", "greatest 95th percentile of the displacement difference"},
-      {"displacement_max_m", "m", "greatest displacement difference of any particle and time"},
-      {"displacement_bias_m", "m", "greatest size of either component of the mean difference"},
-      {"velocity_rms_m_s", "m/s", "greatest RMS velocity difference"},
-      {"strain_rms", "", "greatest RMS difference of deviatoric strain, over space and time"},
-      {"strain_p95", "", "greatest 95th percentile of the difference of deviatoric strain"},
-      {"displacement_over_u", "", "greatest RMS displacement difference in units of its standard uncertainty"},
-      {.name = "outline_iou_min", .unit = "", .text = "least share of area that the final outlines have in common",
+      {"displacement_rms_m", "m", "RMS displacement difference"},
+      {"displacement_p95_m", "m", "95th percentile of the displacement difference"},
+      {"displacement_max_m", "m", "displacement difference"},
+      {"displacement_bias_m", "m", "either component of the mean difference"},
+      {"velocity_rms_m_s", "m/s", "RMS velocity difference"},
+      {"strain_rms", "", "RMS difference of deviatoric strain"},
+      {"strain_p95", "", "95th percentile of the difference of deviatoric strain"},
+      {"displacement_over_u", "", "RMS displacement difference in units of its standard uncertainty"},
+      {.name = "outline_iou_min", .unit = "", .text = "fraction of area that the final outlines share",
        .least = true, .max = 1},
-      {"hausdorff_m", "m", "greatest Hausdorff distance (95 %) of the final outlines"},
-      {.name = "run_out_m", .unit = "m", .text = "greatest difference of run-out (needs compare.slope_base_m)",
+      {"hausdorff_m", "m", "Hausdorff distance (95 %) of the final outlines"},
+      {.name = "run_out_m", .unit = "m", .text = "difference of run-out",
        .needs = "slope_base_m"},
       {.name = "slope_angle_deg", .unit = "deg",
-       .text = "greatest difference of the final slope angle (needs compare.slope_base_m)", .needs = "slope_base_m"},
-      {.name = "coverage_min", .unit = "", .text = "least share of the first's particles that find a partner",
+       .text = "difference of the final slope angle", .needs = "slope_base_m"},
+      {.name = "coverage_min", .unit = "", .text = "fraction of the first's particles with a partner",
        .least = true, .max = 1},
-      {"history_rms", "", "greatest RMS difference of two histories, in their own unit"}};
+      {"history_rms", "", "RMS difference of two histories, in their unit"}};
   return rows;
 }
 

@@ -48,28 +48,28 @@ struct BoundaryOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("line_m", self.line_m, OptionInfo{.unit = "m", .text = "two end points; nodes within half a cell are restrained"});
-    visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "nodes inside are restrained"});
+    visit("line_m", self.line_m, OptionInfo{.unit = "m", .text = "two end points; holds nodes within half a cell"});
+    visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "holds the nodes inside"});
     visit("type", self.type,
-          OptionInfo{.text = "fixed: no motion; roller: none along the normal; frictional: a wall with friction, from which material may separate; absorbing: lets waves out; traction: a load on the material's face along line_m; tied: nodes move as those of the opposite side, across_m away (a laminar box, or a piece of an endless slope; not beside a [contact.NAME])"});
-    visit("normal", self.normal, OptionInfo{.text = "direction out of the material (left out: across the line, away from the material)"});
+          OptionInfo{.text = "roller: no normal motion; frictional: may slide and separate; absorbing: lets waves out; traction: a load; tied: moves as the opposite side"});
+    visit("normal", self.normal, OptionInfo{.text = "out of the material; default: across the line"});
     visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient (frictional)", .min = 0});
-    visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "time at which it is removed (a gate; left out: it stays)"});
-    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity at which the boundary moves, with the material that it holds at time 0 (fixed, roller; left out: none)"});
-    visit("motion", self.motion, OptionInfo{.text = "in place of velocity_m_s: a CSV file of its motion over time, as body.NAME.motion"});
-    visit("withdraw_m_s", self.withdraw_m_s, OptionInfo{.unit = "m/s", .text = "velocity at which the line or polygon is withdrawn: nodes are free once it has passed them (left out: it stays)"});
+    visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "time at which it is removed; default: never"});
+    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity of the boundary and the material it holds (fixed, roller)"});
+    visit("motion", self.motion, OptionInfo{.text = "in place of velocity_m_s: CSV as body.NAME.motion"});
+    visit("withdraw_m_s", self.withdraw_m_s, OptionInfo{.unit = "m/s", .text = "velocity of withdrawal: nodes are free once the line has passed them"});
     visit("withdraw_from_s", self.withdraw_from_s, OptionInfo{.unit = "s", .text = "start of the withdrawal", .min = 0});
-    visit("traction_pa", self.traction_pa, OptionInfo{.unit = "Pa", .text = "load on the face, x and y, per length at time 0 (traction); it moves with the particles next to the line"});
-    visit("follows_face", self.follows_face, OptionInfo{.text = "the traction turns with the face and acts on its present length, as a cell pressure does (left out: a dead load)"});
+    visit("traction_pa", self.traction_pa, OptionInfo{.unit = "Pa", .text = "load on the face (x, y) per length at time 0 (traction)"});
+    visit("follows_face", self.follows_face, OptionInfo{.text = "the traction turns with the face and acts on its present length"});
     visit("rise_s", self.rise_s, OptionInfo{.unit = "s", .text = "time over which the traction rises from 0 (0: at once)", .min = 0});
-    visit("across_m", self.across_m, OptionInfo{.unit = "m", .text = "from line_m to the opposite side, x and y (tied)"});
-    visit("pressure_pa", self.pressure_pa, OptionInfo{.unit = "Pa", .text = "pressure of the water there, with [water] (any type but tied; without this key, drained or flux_m_s no water passes)"});
-    visit("water_level_m", self.water_level_m, OptionInfo{.unit = "m", .text = "level of the water beyond it: hydrostatic pressure below this height, a seepage face above"});
-    visit("drained", self.drained, OptionInfo{.text = "water passes freely: its pressure is zero there, or that of the water outside"});
-    visit("flux_m_s", self.flux_m_s, OptionInfo{.unit = "m/s", .text = "water that enters there, a volume per area and time; negative: it leaves"});
-    visit("temperature_c", self.temperature_c, OptionInfo{.unit = "degC", .text = "temperature there, with [heat] (a wall along the grid; without this key or heat_flux_w_m2 no heat passes); with heat_transfer_w_m2_k, the temperature beyond the wall"});
-    visit("heat_flux_w_m2", self.heat_flux_w_m2, OptionInfo{.unit = "W/m^2", .text = "heat that enters there; negative: it leaves"});
-    visit("heat_transfer_w_m2_k", self.heat_transfer_w_m2_k, OptionInfo{.unit = "W/(m^2 K)", .text = "heat transfer coefficient between the material there and temperature_c (convection)", .min = 0});
+    visit("across_m", self.across_m, OptionInfo{.unit = "m", .text = "from line_m to the opposite side (tied)"});
+    visit("pressure_pa", self.pressure_pa, OptionInfo{.unit = "Pa", .text = "pore pressure there; without it, drained or flux_m_s: impervious"});
+    visit("water_level_m", self.water_level_m, OptionInfo{.unit = "m", .text = "level of the water outside: hydrostatic below, a seepage face above"});
+    visit("drained", self.drained, OptionInfo{.text = "pore pressure there is zero, or that of the water outside"});
+    visit("flux_m_s", self.flux_m_s, OptionInfo{.unit = "m/s", .text = "inflow, volume per area and time (negative: outflow)"});
+    visit("temperature_c", self.temperature_c, OptionInfo{.unit = "degC", .text = "temperature there, or beyond the wall with heat_transfer_w_m2_k; default: insulated"});
+    visit("heat_flux_w_m2", self.heat_flux_w_m2, OptionInfo{.unit = "W/m^2", .text = "heat that enters there"});
+    visit("heat_transfer_w_m2_k", self.heat_transfer_w_m2_k, OptionInfo{.unit = "W/(m^2 K)", .text = "heat transfer coefficient (convection)", .min = 0});
   }
 };
 
@@ -81,9 +81,9 @@ struct ContactOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("regions", self.regions, OptionInfo{.text = "names of the regions that make up the body"});
-    visit("against", self.against, OptionInfo{.text = "names of those that make up the other (left out: all other bodies; regions in no list are one)"});
-    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; 0 is smooth (left out: rough, no slip while pressed)", .min = 0});
+    visit("regions", self.regions, OptionInfo{.text = "names of the regions of one body"});
+    visit("against", self.against, OptionInfo{.text = "those of the other; default: all other regions"});
+    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; default: rough, no slip while pressed", .min = 0});
   }
 };
 
@@ -111,19 +111,19 @@ struct RigidOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("circle_m", self.circle_m, OptionInfo{.unit = "m", .text = "centre x, y and radius"});
     visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "outline at time 0"});
-    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity (x, y)"});
-    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; 0 is smooth (left out: rough, material sticks to it)", .min = 0});
+    visit("velocity_m_s", self.velocity_m_s, OptionInfo{.unit = "m/s", .text = "velocity (x, y); of a free body that at time 0"});
+    visit("friction", self.friction, OptionInfo{.text = "Coulomb coefficient; default: rough", .min = 0});
     visit("from_s", self.from_s, OptionInfo{.unit = "s", .text = "moves from this time on", .min = 0});
-    visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "stops at this time (left out: never)"});
-    visit("mass_kg_m", self.mass_kg_m, OptionInfo{.unit = "kg/m", .text = "mass per metre of thickness: the body is free, and velocity_m_s is its velocity at time 0 (left out: its motion is prescribed)", .min = 0, .above_min = true});
-    visit("mass_end_kg_m", self.mass_end_kg_m, OptionInfo{.unit = "kg/m", .text = "mass to which it rises or falls in time (left out: constant)", .min = 0, .above_min = true});
-    visit("mass_from_s", self.mass_from_s, OptionInfo{.unit = "s", .text = "start of that change", .min = 0});
-    visit("mass_until_s", self.mass_until_s, OptionInfo{.unit = "s", .text = "its end; linear between", .min = 0, .above_min = true});
+    visit("until_s", self.until_s, OptionInfo{.unit = "s", .text = "stops at this time; default: never"});
+    visit("mass_kg_m", self.mass_kg_m, OptionInfo{.unit = "kg/m", .text = "mass per metre of thickness of a free body; default: prescribed motion", .min = 0, .above_min = true});
+    visit("mass_end_kg_m", self.mass_end_kg_m, OptionInfo{.unit = "kg/m", .text = "mass to which it changes in time; default: constant", .min = 0, .above_min = true});
+    visit("mass_from_s", self.mass_from_s, OptionInfo{.unit = "s", .text = "start of the change", .min = 0});
+    visit("mass_until_s", self.mass_until_s, OptionInfo{.unit = "s", .text = "its end", .min = 0, .above_min = true});
     visit("turns", self.turns, OptionInfo{.text = "a free body may rotate"});
-    visit("angular_velocity_rad_s", self.angular_velocity_rad_s, OptionInfo{.unit = "rad/s", .text = "rate at which a body with prescribed motion turns about pivot_m, anticlockwise, between from_s and until_s"});
-    visit("pivot_m", self.pivot_m, OptionInfo{.unit = "m", .text = "the point about which it turns, at time 0; it moves with the body (left out: the centroid of the outline)"});
-    visit("motion", self.motion, OptionInfo{.text = "a CSV file of the motion over time, linear between rows and at rest beyond them: the column time_s and some of displacement_x_m, displacement_y_m, velocity_x_m_s, velocity_y_m_s, angle_rad, angular_velocity_rad_s (or mm, cm, mm_s, mm_min, deg, deg_s; ms, min, h), in place of velocity_m_s. With mass_kg_m what has no column is free"});
-    visit("force", self.force, OptionInfo{.text = "a CSV file of forces on a free body over time, beside its weight: time_s, force_x_n_m, force_y_n_m (or kn_m), a metre of thickness, linear between rows and constant beyond them"});
+    visit("angular_velocity_rad_s", self.angular_velocity_rad_s, OptionInfo{.unit = "rad/s", .text = "prescribed rotation about pivot_m, anticlockwise"});
+    visit("pivot_m", self.pivot_m, OptionInfo{.unit = "m", .text = "centre of rotation at time 0; it moves with the body; default: the centroid"});
+    visit("motion", self.motion, OptionInfo{.text = "CSV: time_s and some of displacement_x_m, displacement_y_m, velocity_x_m_s, velocity_y_m_s, angle_rad, angular_velocity_rad_s (or mm, deg, min ...)"});
+    visit("force", self.force, OptionInfo{.text = "CSV of forces on a free body: time_s, force_x_n_m, force_y_n_m (or kn_m), per metre of thickness"});
   }
 };
 

@@ -15,7 +15,7 @@ struct HeatOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("initial_c", self.initial_c, OptionInfo{.unit = "degC", .text = "temperature at the start", .min = -273.15});
-    visit("reference_c", self.reference_c, OptionInfo{.unit = "degC", .text = "temperature from which heat is counted (left out: initial_c)", .min = -273.15});
+    visit("reference_c", self.reference_c, OptionInfo{.unit = "degC", .text = "temperature from which heat is counted; default: initial_c", .min = -273.15});
   }
 };
 

@@ -36,7 +36,7 @@ std::unique_ptr<Material> make(const MaterialOptions& o, double cell_m) {
 MaterialModel water_model() {
   const MaterialKey viscosity{
       .name = "viscosity_pa_s",
-      .own = OptionInfo{.unit = "Pa s", .text = "dynamic viscosity (left out: none; that of water is 1e-3)", .min = 0}};
+      .own = OptionInfo{.unit = "Pa s", .text = "dynamic viscosity (water: 1e-3); default: none", .min = 0}};
   return {.name = "water",
           .text = "elastic in volume, no tension, no shear stress but that of viscosity",
           .keys = {{"bulk_pa", true}, viscosity},

@@ -30,13 +30,13 @@ struct CentrifugeOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("axis", self.axis, OptionInfo{.text = "the rotation axis: across, normal to the plane of the simulation; along, parallel to x; both lie radius_m above at_m; symmetry, the axis of an axisymmetric run"});
-    visit("radius_m", self.radius_m, OptionInfo{.unit = "m", .text = "from the rotation axis down to at_m (across, along)", .min = 0, .above_min = true});
-    visit("at_m", self.at_m, OptionInfo{.unit = "m", .text = "the place in the model, x and y, at which radius_m is measured"});
-    visit("rate_rpm", self.rate_rpm, OptionInfo{.unit = "1/min", .text = "rate of rotation; positive: anticlockwise in the plane (across)"});
-    visit("rate_history", self.rate_history, OptionInfo{.unit = "s, 1/min", .text = "times and rates of rotation, linear between and constant beyond (in place of rate_rpm)"});
-    visit("coriolis", self.coriolis, OptionInfo{.text = "Coriolis acceleration (left out: true across the plane; for the other axes it acts out of the plane and is not modelled)"});
-    visit("euler", self.euler, OptionInfo{.text = "acceleration across the radius while the rate changes (across); a ramp that is shortened to save time exaggerates it"});
+    visit("axis", self.axis, OptionInfo{.text = "rotation axis radius_m above at_m, normal to the plane (across) or along x; symmetry: the axis of an axisymmetric run"});
+    visit("radius_m", self.radius_m, OptionInfo{.unit = "m", .text = "from the rotation axis down to at_m", .min = 0, .above_min = true});
+    visit("at_m", self.at_m, OptionInfo{.unit = "m", .text = "place (x, y) where radius_m is measured"});
+    visit("rate_rpm", self.rate_rpm, OptionInfo{.unit = "1/min", .text = "rate of rotation, anticlockwise"});
+    visit("rate_history", self.rate_history, OptionInfo{.unit = "s, 1/min", .text = "times and rates, in place of rate_rpm"});
+    visit("coriolis", self.coriolis, OptionInfo{.text = "Coriolis acceleration; default: true for axis across, the only one that has it in the plane"});
+    visit("euler", self.euler, OptionInfo{.text = "acceleration by a changing rate (across)"});
   }
 };
 

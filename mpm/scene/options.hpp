@@ -47,32 +47,32 @@ struct MpmOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("scheme", self.scheme, OptionInfo{.text = "set of numerical choices"});
-    visit("geometry", self.geometry, OptionInfo{.text = "plane: plane strain, per metre of thickness; axisymmetric: x is the distance from the axis of symmetry, x = 0, along which y runs, and masses, forces and energies are those of one radian"});
+    visit("geometry", self.geometry, OptionInfo{.text = "plane strain, or axisymmetric: x is the radius, and masses and forces are per radian"});
     visit("per_element", self.per_element, OptionInfo{.text = "material points per occupied element: 1, 4, 9 ...", .min = 1, .max = 100});
     visit("gravity_m_s2", self.gravity_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity (x, y)"});
-    visit("gravity_from_m_s2", self.gravity_from_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity at time 0, where it changes (a centrifuge spinning up); the initial equilibrium is found under this one"});
+    visit("gravity_from_m_s2", self.gravity_from_m_s2, OptionInfo{.unit = "m/s^2", .text = "gravity at time 0, where it changes; the initial equilibrium is found under it"});
     visit("gravity_ramp_s", self.gravity_ramp_s, OptionInfo{.unit = "s", .text = "time at which gravity_m_s2 is reached, linearly", .min = 0, .above_min = true});
-    visit("initial_equilibrium", self.initial_equilibrium, OptionInfo{.text = "apply the weight quasi-statically, with damping, before time 0 (strains and displacements then start at zero)", .alias = "settle"});
-    visit("k0", self.k0, OptionInfo{.text = "horizontal over vertical stress at the start: the stress at time 0 without initial_equilibrium, the first guess with it (left out: none; poisson/(1 - poisson))", .min = 0, .max = 10});
-    visit("equilibrium_damping", self.equilibrium_damping, OptionInfo{.text = "local damping while the initial equilibrium is sought", .min = 0, .max = 1, .alias = "settle_damping"});
-    visit("equilibrium_tolerance", self.equilibrium_tolerance, OptionInfo{.text = "the equilibrium is found when the ratio of unbalanced to applied force falls below this (left out: 1e-3; beside [water] it is then sought on to 1e-7, as far as that comes in four times as many iterations, so that slopes in water at rest are at rest)", .min = 0, .above_min = true, .alias = "settle_tolerance"});
-    visit("shape", self.shape, OptionInfo{.text = "shape functions (left out: by the scheme)"});
-    visit("transfer", self.transfer, OptionInfo{.text = "velocity transfer (left out: by the scheme)"});
-    visit("stress_update", self.stress_update, OptionInfo{.text = "when stress is updated: musl, last, with velocities mapped again; usl, last; usf, first (left out: by the scheme)"});
-    visit("locking", self.locking, OptionInfo{.text = "averages against volumetric locking (left out: by the scheme; selective and full: bilinear only)"});
-    visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping during the run (left out: 0; the thesis' program has 0.05)", .min = 0, .max = 1});
-    visit("pic_per_s", self.pic_per_s, OptionInfo{.unit = "1/s", .text = "rate of blending from flip or aflip to PIC: a share 1 - exp(-rate dt) per step (left out: flip 0, aflip 10 (g/h)^(1/2))", .min = 0});
-    visit("xpic_order", self.xpic_order, OptionInfo{.text = "order of xpic: 1 is PIC, higher ones filter less", .min = 1, .max = 20});
-    visit("courant", self.courant, OptionInfo{.text = "time step over h/(c + v), c the fastest wave, v the fastest point (left out: 0.4, which holds however points lie; with B-splines and aflip or apic, in the plane, without bodies, contact, water and damping, as long as their present arrangement allows, 0.8 at most)", .min = 0, .max = 1, .above_min = true});
-    visit("energy_limit", self.energy_limit, OptionInfo{.text = "the run stops when the energy residual passes this share of the energy supplied", .min = 0, .above_min = true});
-    visit("end_at_rest", self.end_at_rest, OptionInfo{.text = "stop stepping once motion has ended; the states that follow repeat the last one"});
-    visit("sleep_below_m_s", self.sleep_below_m_s, OptionInfo{.unit = "m/s", .text = "blocks of cells in which nothing moves half as fast are not stepped until something faster reaches them; the error by this is bounded and noted; water in the pores flows on beside what moves, and wakes blocks whose pressure it changes (not beside a [contact.NAME] or tied sides; left out: nothing sleeps)", .min = 0, .above_min = true});
-    visit("end_displacement_m", self.end_displacement_m, OptionInfo{.unit = "m", .text = "stop stepping once a particle or free body has moved this far, checked every hundred steps (left out: never); the states that follow repeat the last one", .min = 0, .above_min = true});
+    visit("initial_equilibrium", self.initial_equilibrium, OptionInfo{.text = "find the stresses that balance the weight before time 0", .alias = "settle"});
+    visit("k0", self.k0, OptionInfo{.text = "horizontal over vertical stress at the start, or first guess of the equilibrium; default: poisson/(1 - poisson)", .min = 0, .max = 10});
+    visit("equilibrium_damping", self.equilibrium_damping, OptionInfo{.text = "local damping in that search", .min = 0, .max = 1, .alias = "settle_damping"});
+    visit("equilibrium_tolerance", self.equilibrium_tolerance, OptionInfo{.text = "unbalanced over applied force; default: 1e-3, with [water] 1e-7", .min = 0, .above_min = true, .alias = "settle_tolerance"});
+    visit("shape", self.shape, OptionInfo{.text = "shape functions; default: by the scheme"});
+    visit("transfer", self.transfer, OptionInfo{.text = "velocity transfer; default: by the scheme"});
+    visit("stress_update", self.stress_update, OptionInfo{.text = "order of the stress update; default: by the scheme"});
+    visit("locking", self.locking, OptionInfo{.text = "averages against volumetric locking; default: by the scheme (selective, full: bilinear)"});
+    visit("damping", self.damping, OptionInfo{.text = "Cundall's local damping; default: 0", .min = 0, .max = 1});
+    visit("pic_per_s", self.pic_per_s, OptionInfo{.unit = "1/s", .text = "flip, aflip: rate r of the fraction 1 - exp(-r dt) of PIC; default: flip 0, aflip 10 (g/h)^(1/2)", .min = 0});
+    visit("xpic_order", self.xpic_order, OptionInfo{.text = "order of xpic (1: PIC)", .min = 1, .max = 20});
+    visit("courant", self.courant, OptionInfo{.text = "time step over h/(c + v); default: 0.4, in dry plane scenes with B-splines up to 0.8", .min = 0, .max = 1, .above_min = true});
+    visit("energy_limit", self.energy_limit, OptionInfo{.text = "residual over supplied energy at which the run stops", .min = 0, .above_min = true});
+    visit("end_at_rest", self.end_at_rest, OptionInfo{.text = "stop stepping once motion has ended"});
+    visit("sleep_below_m_s", self.sleep_below_m_s, OptionInfo{.unit = "m/s", .text = "blocks of cells slower than half of this are not stepped; default: none", .min = 0, .above_min = true});
+    visit("end_displacement_m", self.end_displacement_m, OptionInfo{.unit = "m", .text = "stop stepping once a particle or free body has moved so far; default: never", .min = 0, .above_min = true});
     visit("refine", self.refine, OptionInfo{.text = "cells per measured element and side", .min = 1, .max = 16});
-    visit("end_s", self.end_s, OptionInfo{.unit = "s", .text = "end of the simulation (left out: the last frame)", .min = 0, .above_min = true});
-    visit("output_rate_hz", self.output_rate_hz, OptionInfo{.unit = "Hz", .text = "states written per second (left out: at the frames' times)", .min = 0, .above_min = true});
-    visit("domain_m", self.domain_m, OptionInfo{.unit = "m", .text = "lower left and upper right corner that the simulation may use (left out: the measured grid)"});
-    visit("pressure", self.pressure, OptionInfo{.text = "how pore pressure is advanced, with [water]: explicit, in steps of water and flow (beside [heat] the flow takes parts of a step where it alone asks for shorter ones); projected, in steps of the skeleton's wave, found for all nodes together (left out: projected where it should be twice as fast and nothing speaks against it, else explicit; the notes give the reason)"});
+    visit("end_s", self.end_s, OptionInfo{.unit = "s", .text = "end of the simulation; default: the last frame", .min = 0, .above_min = true});
+    visit("output_rate_hz", self.output_rate_hz, OptionInfo{.unit = "Hz", .text = "states written per second; default: at the frames' times", .min = 0, .above_min = true});
+    visit("domain_m", self.domain_m, OptionInfo{.unit = "m", .text = "lower left and upper right corner of the simulation; default: the measured grid"});
+    visit("pressure", self.pressure, OptionInfo{.text = "pore pressure explicit, or projected (steps by the skeleton's wave alone); default: projected if twice as fast"});
   }
 };
 

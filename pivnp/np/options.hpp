@@ -54,28 +54,24 @@ struct NpOptions {
     visit("seeding", self.seeding,
           OptionInfo{.text = "pattern of the particles in an element"});
     visit("shape", self.shape,
-          OptionInfo{.text = "shape functions: cubic B-splines through the nodes (bspline3), or quadratic ones; bilinear; "
-                             "quadratic and cubic elements of 9 and 16 nodes; Delaunay triangles"});
+          OptionInfo{.text = "shape functions: B-splines, bilinear, elements of 9 and 16 nodes, Delaunay triangles"});
     visit("gradient", self.gradient,
-          OptionInfo{.text = "where the gradient is taken: at the particle, or at the element's centre (the thesis)"});
+          OptionInfo{.text = "where the gradient is taken: at the particle or at the element's centre"});
     visit("error_correlation", self.error_correlation,
-          OptionInfo{.text = "correlation of the errors of neighbouring vectors: 1 a bound, 0 independent windows",
+          OptionInfo{.text = "correlation of the errors of neighbouring vectors (1: a bound)",
                      .min = 0,
                      .max = 1});
     visit("drift", self.drift,
-          OptionInfo{.text = "how the drift of summed increments is limited: none; corrected: direct correlation with "
-                             "the first frame at intervals, fused; leapfrog: the same in every frame, not fused; "
-                             "reference_update: leapfrog from a frame that is replaced when texture is lost (Stanier et al. 2016)"});
+          OptionInfo{.text = "corrected: fused with direct correlation at intervals; leapfrog: in every frame, not fused; reference_update: Stanier et al. 2016"});
     visit("drift_interval", self.drift_interval,
-          OptionInfo{.text = "frames from one correction to the next (drift = corrected)", .min = 1, .max = 100000});
+          OptionInfo{.text = "frames between corrections (drift = corrected)", .min = 1, .max = 100000});
     visit("reseed", self.reseed,
-          OptionInfo{.text = "new particles where material enters an element that has become empty; their strains count "
-                             "from birth"});
+          OptionInfo{.text = "new particles where material enters an empty element; strains count from birth"});
     visit("still_zone_px", self.still_zone_px,
-          OptionInfo{.unit = "px", .text = "polygon (column, row) of material that is at rest, for the noise floor of strain"});
+          OptionInfo{.unit = "px", .text = "polygon (column, row) of material at rest, for the noise floor of strain"});
     visit("still_zone_m", self.still_zone_m, OptionInfo{.unit = "m", .text = "the same in the world"});
     visit("still_frames", self.still_frames,
-          OptionInfo{.text = "number of frames, from the first on, in which nothing moves yet, for the noise floor of strain",
+          OptionInfo{.text = "number of first frames without motion, for the same",
                      .min = 0});
   }
 };

@@ -41,54 +41,48 @@ struct PivOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("method", self.method,
-          OptionInfo{.text = "correlation method (default: the one recommended, at present gn)",
+          OptionInfo{.text = "default is gn",
                      .names = &piv_method_names});
     visit("smoothing", self.smoothing,
-          OptionInfo{.text = "gn, fast: adaptive, as far as the field's own noise requires (structures weaker than "
-                             "the noise are lost); window, subsets of window_px and no more"});
+          OptionInfo{.text = "gn, fast: adaptive, as far as the noise requires; window, subsets of window_px only"});
     visit("order", self.order,
           OptionInfo{.text = "gn with smoothing = window: order of the subsets' deformation", .min = 0, .max = 2});
     visit("window_px", self.window_px,
           OptionInfo{.unit = "px",
-                     .text = "side of the last interrogation window (of the even window with the same noise)",
+                     .text = "side of the last interrogation window",
                      .min = 8,
                      .max = 256});
     visit("first_window_px", self.first_window_px,
           OptionInfo{.unit = "px",
-                     .text = "side of the first window; it finds up to a quarter of it (0: chosen from the image)",
+                     .text = "side of the first window; finds displacements up to a quarter of it (0: chosen)",
                      .min = 0,
                      .max = 512});
     visit("passes", self.passes, OptionInfo{.text = "passes with the last window (0: chosen)", .min = 0, .max = 20});
     visit("ensemble", self.ensemble,
-          OptionInfo{.text = "fft, ncc: consecutive pairs whose correlation is averaged before a peak is sought, for "
-                             "poor texture in motion "
-                             "that hardly changes meanwhile; each of them then has their mean displacement",
+          OptionInfo{.text = "fft, ncc: consecutive pairs whose correlations are averaged, for poor texture in steady motion",
                      .min = 1,
                      .max = 64});
     visit("follow_regions", self.follow_regions,
-          OptionInfo{.text = "regions move with their material as masks: texture beyond them that stands still is left "
-                             "out pair by pair"});
+          OptionInfo{.text = "regions move with their material; still texture outside is masked"});
     visit("anchor", self.anchor,
-          OptionInfo{.text = "instant to which a vector's place belongs: middle of the pair, or its first frame"});
+          OptionInfo{.text = "place of a vector: middle of the pair, or its first frame"});
     visit("median_threshold", self.median_threshold,
           OptionInfo{.text = "normalised median test: residual over neighbours' scatter", .min = 0, .above_min = true});
     visit("median_floor_px", self.median_floor_px,
-          OptionInfo{.unit = "px", .text = "scatter that the median test allows everywhere", .min = 0});
+          OptionInfo{.unit = "px", .text = "scatter that the median test always allows", .min = 0});
     visit("min_score", self.min_score,
           OptionInfo{.text = "correlation coefficient below which a vector is rejected", .min = -1, .max = 1});
     visit("max_sigma_px", self.max_sigma_px,
           OptionInfo{.unit = "px",
-                     .text = "stated standard deviation above which a vector is rejected (gn, fast: where frames "
-                             "match fully; less where they match less)",
+                     .text = "stated standard deviation above which a vector is rejected",
                      .min = 0,
                      .above_min = true});
     visit("min_usable", self.min_usable,
-          OptionInfo{.text = "share of a window that masks and the image's edge must leave", .min = 0, .max = 1});
+          OptionInfo{.text = "fraction of a window that masks and the image's edge must leave", .min = 0, .max = 1});
     visit("replace", self.replace,
           OptionInfo{.text = "rebuild rejected vectors from valid neighbours (marked as replaced)"});
     visit("closure", self.closure,
-          OptionInfo{.text = "number of chains of steps that are compared with direct pairs of their ends, for the error "
-                             "of paths that every pair repeats (each costs one more pair; below 2: none)",
+          OptionInfo{.text = "chains of steps compared with direct pairs of their ends, for systematic errors (below 2: none)",
                      .min = 0,
                      .max = 100});
   }

@@ -11,9 +11,9 @@ with tempfile.TemporaryDirectory() as folder:
     (root / "docs").mkdir()
     (root / "mpm").mkdir()
     (root / "mpm/step.hpp").write_text('// docs/a.md, "Energy balance"\n')
-    (root / "docs/case.md").write_text("## [piv]\n| `window_px` | a number |\n")
+    (root / "docs/case.md").write_text("## [piv]\n- `window_px` (number): side\n## [synth.piv]\nKeys: those of [piv].\n")
     page = root / "docs/a.md"
-    page.write_text("# Energy balance\n[a](case.md) [b](#energy-balance) `mpm/step.hpp` `step.hpp` `piv.window_px = 32`\n")
+    page.write_text("# Energy balance\n[a](case.md) [b](#energy-balance) `mpm/step.hpp` `step.hpp` `piv.window_px = 32` `synth.piv.window_px`\n")
 
     def faults():
         done = subprocess.run([sys.executable, script, folder], capture_output=True, text=True)

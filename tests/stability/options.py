@@ -260,32 +260,45 @@ VALUES = {
 }
 
 
+def kind_and_range(text):
+    """Of what stands in the brackets before the default: the type, and its choices or range."""
+    if text in ("`true`", "`false`", "true or false"):
+        return "true or false", ""
+    if number := re.fullmatch(r"(whole )?(number|[<>≥≤] \S+?(?: and [<≤] \S+?)?|\S+ to \S+?)(?:, .*)?", text):
+        return (number[1] or "") + "number", "" if number[2] == "number" else number[2]
+    return (text, "") if text == "string" or text.startswith(("list", "[")) else ("string", text)
+
+
 def rows(reference):
-    """(section, key, type, default, allowed) of every key."""
-    section = None
+    """(section, key, type, allowed, default) of every key."""
+    section, found_in = None, {}
     for line in reference.splitlines():
         if found := re.fullmatch(r"## \[(.*)\]", line):
             section = found[1].removesuffix(".NAME")
+            found_in[section] = []
         elif line == "## Top level":
             section = ""
-        elif section is not None and line.startswith("| `"):
-            cells = [cell.strip() for cell in line.strip("|").split(" | ")]
-            kind, default, allowed = (cells[1], "", "") if section == "" else (cells[1], cells[3].strip("`"), cells[4])
-            yield section, cells[0].strip("` "), kind.strip(), default, allowed
+            found_in[section] = []
+        elif mirrored := re.fullmatch(r"Keys: those of \[(.*)\]\.", line):
+            for key in found_in[mirrored[1].removesuffix(".NAME")]:
+                yield section, *key
+        elif row := re.match(r"- `(\w+)` \((.*?)(?:; `(.*)`)?\): ", line) if section is not None else None:
+            found_in[section].append((row[1], *kind_and_range(row[2]), row[3] or ""))
+            yield section, *found_in[section][-1]
 
 
-def values(section, key, kind, default, allowed):
+def values(section, key, kind, allowed, default):
     known = VALUES.get(section, {}).get(key)
     if known:
         return known
     if kind == "true or false":
         return ["true", "false"]
-    if kind == "a string" and allowed:
+    if kind == "string" and allowed:
         return [f'"{choice}"' for choice in allowed.split(", ")]
-    if kind in ("a number", "a whole number"):
-        if default and not (float(default) == 0 and allowed.startswith("more")):
+    if kind in ("number", "whole number"):
+        if default and not (float(default) == 0 and allowed.startswith(">")):
             return [default]
-        whole = kind == "a whole number"
+        whole = kind == "whole number"
         span = re.fullmatch(r"(\S+) to (\S+)", allowed)
         if span:
             low, high = float(span[1]), float(span[2])
@@ -354,12 +367,12 @@ def main():
     (drawn / "case.toml").write_text(case_text("synth", "frames", "5", ""))
     done = run(program, "synth", drawn, "--out", drawn / "out", "--quiet")
     assert done.returncode == 0, done.stderr
-    for section, key, kind, default, allowed in rows(reference):
-        items = values(section, key, kind, default, allowed)
+    for section, key, kind, allowed, default in rows(reference):
+        items = values(section, key, kind, allowed, default)
         if not items:
             faults.append(f"[{section}] {key}: say in VALUES what a valid case with it looks like")
             continue
-        if kind == "a string" and allowed:
+        if kind == "string" and allowed:
             tried = {(item if isinstance(item, str) else item[0]).strip('"') for item in items}
             if left := set(allowed.split(", ")) - tried:
                 faults.append(f"[{section}] {key}: no case for {', '.join(sorted(left))}")

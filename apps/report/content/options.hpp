@@ -43,8 +43,8 @@ struct LineOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("type", self.type, OptionInfo{.text = "section: a field along the line at the chosen times; extensometer: strain between two material points against time"});
-    visit("from_m", self.from_m, OptionInfo{.unit = "m", .text = "first end: of a section in space, of an extensometer a material point at the first frame"});
+    visit("type", self.type, OptionInfo{.text = "section: a field along a line; extensometer: strain between two material points in time"});
+    visit("from_m", self.from_m, OptionInfo{.unit = "m", .text = "first end; of an extensometer at the first frame"});
     visit("to_m", self.to_m, OptionInfo{.unit = "m", .text = "the other end"});
     visit("field", self.field, OptionInfo{.text = "section: the field, by its name in docs/format.md"});
   }
@@ -66,14 +66,14 @@ struct ReportOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("title", self.title, OptionInfo{.text = "title of the report (left out: the case's name)"});
-    visit("times_s", self.times_s, OptionInfo{.unit = "s", .text = "times at which fields are drawn (left out: three, evenly)"});
-    visit("points_m", self.points_m, OptionInfo{.unit = "m", .text = "material points whose histories are drawn (left out: three)"});
-    visit("fields", self.fields_drawn, OptionInfo{.text = "fields drawn side by side, by their names in docs/format.md (by default, with water or heat, also pressure, temperature and those of embedded bands)"});
-    visit("gauge_m", self.gauge_m, OptionInfo{.unit = "m", .text = "draws strains over circles of this diameter, fitted to the particles' displacements (left out: the record's own gauge); numbers of the comparison stay those of the record", .min = 0, .above_min = true});
-    visit("data_sets", self.data_sets, OptionInfo{.text = "one or two motions of the record to show, by name (left out: those compared, else np and mpm)"});
-    visit("compare_runs", self.compare_runs, OptionInfo{.text = "records of other runs, files or folders, to show beside this one: their numbers in a table, their displacement in a figure"});
-    visit("animation", self.animation, OptionInfo{.text = "writes animation.mp4 beside the report: the frame with vectors, the particles coloured by strain, and the simulation"});
+    visit("title", self.title, OptionInfo{.text = "default: the case's name"});
+    visit("times_s", self.times_s, OptionInfo{.unit = "s", .text = "times at which fields are drawn; default: three"});
+    visit("points_m", self.points_m, OptionInfo{.unit = "m", .text = "material points whose histories are drawn; default: three"});
+    visit("fields", self.fields_drawn, OptionInfo{.text = "fields drawn, by their names in docs/format.md; with water or heat, pressure and temperature too"});
+    visit("gauge_m", self.gauge_m, OptionInfo{.unit = "m", .text = "diameter of circles over which strains are drawn; default: the record's gauge", .min = 0, .above_min = true});
+    visit("data_sets", self.data_sets, OptionInfo{.text = "one or two motions of the record; default: those compared, else np and mpm"});
+    visit("compare_runs", self.compare_runs, OptionInfo{.text = "records of other runs to show beside this one"});
+    visit("animation", self.animation, OptionInfo{.text = "writes animation.mp4: frame with vectors, strains, simulation"});
   }
 };
 

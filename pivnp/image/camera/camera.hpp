@@ -31,38 +31,36 @@ struct CameraOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("metres_per_pixel", self.metres_per_pixel,
-          OptionInfo{.unit = "m/px", .text = "scale of a square-on camera (left out, and no points: lengths are in px)",
+          OptionInfo{.unit = "m/px", .text = "scale of a square-on camera; default, without points: lengths are in px",
                      .min = 0, .above_min = true});
     visit("origin_px", self.origin_px,
           OptionInfo{.unit = "px",
-                     .text = "pixel (column, row) of the world's (0, 0) (left out: the lower left pixel)"});
+                     .text = "pixel (column, row) of the world's (0, 0); default: the lower left pixel"});
     visit("points_px", self.points_px,
           OptionInfo{.unit = "px", .text = "four or more targets in the image, for a homography"});
     visit("points_m", self.points_m,
-          OptionInfo{.unit = "m", .text = "the same targets in the world, in the same order"});
+          OptionInfo{.unit = "m", .text = "the same targets in the world"});
     visit("length_unit", self.length_unit,
-          OptionInfo{.text = "unit of the case's lengths: m, mm, cm, km or um, read into metres; another name is a length of the scene"});
+          OptionInfo{.text = "unit of the case's lengths: m, mm, cm, km or um; another name: a length of the scene"});
     visit("lens", self.lens,
-          OptionInfo{.text = "distortion of the lens, as `pivnp calibrate` finds it: none; brown, radial and tangential; "
-                             "fisheye. metres_per_pixel then holds on the lens's axis"});
+          OptionInfo{.text = "distortion, as `pivnp calibrate` finds it: brown is radial and tangential"});
     visit("focal_px", self.focal_px, OptionInfo{.unit = "px", .text = "focal lengths along columns and rows, of a lens or a window"});
     visit("centre_px", self.centre_px,
-          OptionInfo{.unit = "px", .text = "principal point (column, row) (left out: the middle of the image)"});
+          OptionInfo{.unit = "px", .text = "principal point (column, row); default: the middle of the image"});
     visit("distortion", self.distortion,
-          OptionInfo{.text = "coefficients, in OpenCV's order: k1 k2 p1 p2 k3 of brown, k1 k2 k3 k4 of fisheye"});
+          OptionInfo{.text = "coefficients in OpenCV's order: k1 k2 p1 p2 k3 (brown), k1 k2 k3 k4 (fisheye)"});
     visit("lens_rms_px", self.lens_rms_px,
-          OptionInfo{.unit = "px", .text = "RMS residual of the calibration, part of the camera's uncertainty", .min = 0});
+          OptionInfo{.unit = "px", .text = "RMS residual of the calibration", .min = 0});
     visit("window_thickness_m", self.window_thickness_m,
-          OptionInfo{.unit = "m", .text = "thickness of the window that the material lies against (0: no refraction)", .min = 0});
+          OptionInfo{.unit = "m", .text = "thickness of the window before the material (0: no refraction)", .min = 0});
     visit("window_distance_m", self.window_distance_m,
-          OptionInfo{.unit = "m", .text = "from the lens's entrance pupil to the window's front", .min = 0, .above_min = true});
+          OptionInfo{.unit = "m", .text = "from the lens's entrance pupil to the window", .min = 0, .above_min = true});
     visit("window_index", self.window_index,
           OptionInfo{.text = "refractive index of the window (acrylic 1.49, glass 1.52)", .min = 1, .max = 3});
     visit("row_time_s", self.row_time_s,
-          OptionInfo{.unit = "s", .text = "rolling shutter: time from the exposure of a row to that of the next (read-out time by number of rows); "
-                                          "below 0 where the lowest row is read first (0: all rows at once)", .min = -0.01, .max = 0.01});
+          OptionInfo{.unit = "s", .text = "rolling shutter: read-out time over rows; negative: from the lowest row up (0: none)", .min = -0.01, .max = 0.01});
     visit("exposure_s", self.exposure_s,
-          OptionInfo{.unit = "s", .text = "exposure time of a frame: motion that blurs the frames is warned of (0: not known)", .min = 0});
+          OptionInfo{.unit = "s", .text = "exposure time, to warn of motion blur (0: not known)", .min = 0});
   }
 };
 

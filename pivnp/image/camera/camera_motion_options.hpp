@@ -25,16 +25,15 @@ struct CameraMotionOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("from", self.from,
-          OptionInfo{.text = "what shows how the camera moved, which is then removed from all vectors: none (the camera is "
-                             "at rest); still_zone; targets; dominant, the motion most of the image outside regions and masks shares"});
-    visit("model", self.model, OptionInfo{.text = "what is removed: shift; rigid, with rotation; similarity, with a change of scale too"});
+          OptionInfo{.text = "what shows the camera's motion; dominant: most of the image outside regions and masks"});
+    visit("model", self.model, OptionInfo{.text = "what is removed; rigid: with rotation; similarity: with scale too"});
     visit("zone_px", self.zone_px,
-          OptionInfo{.unit = "px", .text = "still_zone: polygon (column, row) of what is at rest and has texture (left out: np.still_zone_px or _m)"});
+          OptionInfo{.unit = "px", .text = "still_zone: polygon (column, row) at rest, with texture; default: np.still_zone_px or _m"});
     visit("zone_m", self.zone_m, OptionInfo{.unit = "m", .text = "the same in the world"});
     visit("targets_px", self.targets_px, OptionInfo{.unit = "px", .text = "targets: centres (column, row) of marks at rest, in the first frame"});
     visit("subset_px", self.subset_px, OptionInfo{.unit = "px", .text = "side of the subsets that are found again", .min = 15, .max = 401});
     visit("search_px", self.search_px,
-          OptionInfo{.unit = "px", .text = "greatest shift from one frame to the next", .min = 2, .max = 200});
+          OptionInfo{.unit = "px", .text = "greatest shift from frame to frame", .min = 2, .max = 200});
   }
 };
 

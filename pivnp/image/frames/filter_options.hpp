@@ -35,20 +35,16 @@ struct FilterOptions {
   static void fields(Self& self, Visitor&& visit) {
     visit("choose", self.choose,
           OptionInfo{
-              .text = "try every filter on pairs made of the case's own frames, and apply those that lower the error "
-                      "(the other keys then state the lengths that are tried)"});
+              .text = "try every filter on pairs made of the case's frames; apply those that lower the error"});
     visit(
         "background", self.background,
         OptionInfo{
             .text =
-                "what is subtracted of every frame: mean, minimum or median over the sequence, pixel by pixel (texture "
-                "that does not move goes with it), or pattern, the texture of the median where the "
-                "picture moves on (dirt, scratches, reflections on the glass; a case without [preprocess] has it taken "
-                "out where it is seen)"});
+                "subtracted: mean, minimum or median over the sequence; pattern: dirt and reflections on the glass"});
     visit(
         "background_frames", self.background_frames,
         OptionInfo{
-            .text = "frames that the background is taken from, evenly spaced over the sequence", .min = 3, .max = 255});
+            .text = "frames that the background is taken from, evenly spaced", .min = 3, .max = 255});
     visit("high_pass_px", self.high_pass_px,
           OptionInfo{.unit = "px",
                      .text = "standard deviation of the Gaussian blur that is subtracted (0: none)",
@@ -56,19 +52,19 @@ struct FilterOptions {
                      .max = 1000});
     visit("clahe_px", self.clahe_px,
           OptionInfo{.unit = "px",
-                     .text = "side of the tiles whose grey values are equalised (CLAHE; 0: none)",
+                     .text = "side of the tiles of contrast-limited equalisation (CLAHE; 0: none)",
                      .min = 0,
                      .max = 2000});
     visit("clahe_limit", self.clahe_limit,
           OptionInfo{.text = "CLAHE: greatest slope of a tile's equalisation", .min = 1, .max = 100});
     visit("cap_std", self.cap_std,
-          OptionInfo{.text = "grey values are capped at their median and so many standard deviations above it (0: not)",
+          OptionInfo{.text = "cap grey values so many standard deviations above their median (0: no cap)",
                      .min = 0,
                      .max = 20});
     visit("local_px", self.local_px,
           OptionInfo{
               .unit = "px",
-              .text = "standard deviation of the Gaussian window in which mean and contrast are made even (0: not)",
+              .text = "standard deviation of the Gaussian window that evens out mean and contrast (0: none)",
               .min = 0,
               .max = 1000});
   }

@@ -33,25 +33,21 @@ struct FrameOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("path", self.path,
-          OptionInfo{.text = "glob (frames/*.png), printf pattern (img_%04d.tif), folder or video file, relative to "
-                             "the case file"});
+          OptionInfo{.text = "glob (frames/*.png), printf pattern (img_%04d.tif), folder or video, relative to the case file"});
     visit("rate_hz", self.rate_hz,
-          OptionInfo{.unit = "Hz", .text = "frames per second of the recording; wins over what a container claims",
+          OptionInfo{.unit = "Hz", .text = "frames per second; default: what a video states",
                      .min = 0, .above_min = true});
     visit("times", self.times,
-          OptionInfo{.text = "when frames were taken: even, by rate_hz or the container's rate; stamps, a video of "
-                             "variable rate, by the time stamps "
-                             "in its container"});
+          OptionInfo{.text = "even: by rate_hz; stamps: by the time stamps of a video of variable rate"});
     visit("first", self.first, OptionInfo{.text = "first frame used, counted from 0", .min = 0});
-    visit("last", self.last, OptionInfo{.text = "last frame used (left out: all)", .min = 0});
+    visit("last", self.last, OptionInfo{.text = "last frame used; default: all", .min = 0});
     visit("stride", self.stride, OptionInfo{.text = "use every n-th frame", .min = 1});
     visit(
         "least_motion_px", self.least_motion_px,
         OptionInfo{
             .unit = "px",
             .text =
-                "leave frames out until a tenth of the material has moved so far since the last frame used (0: none): "
-                "longer steps where motion is slow",
+                "skip frames until a tenth of the material has moved so far (0: none)",
             .min = 0,
             .max = 50});
   }

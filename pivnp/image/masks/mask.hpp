@@ -38,27 +38,25 @@ struct MaskOptions {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("polygon_px", self.polygon_px, OptionInfo{.unit = "px", .text = "polygon (column, row) to leave out"});
-    visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "polygon in the world to leave out"});
+    visit("polygon_px", self.polygon_px, OptionInfo{.unit = "px", .text = "masked polygon (column, row)"});
+    visit("polygon_m", self.polygon_m, OptionInfo{.unit = "m", .text = "the same in the world"});
     visit("circle_px", self.circle_px,
-          OptionInfo{.unit = "px", .text = "circle to leave out: centre column, row, radius"});
-    visit("image", self.image, OptionInfo{.text = "image of the frames' size: pixels that are 0 are left out"});
+          OptionInfo{.unit = "px", .text = "masked circle: centre column, row, radius"});
+    visit("image", self.image, OptionInfo{.text = "image of the frames' size: 0 is masked"});
     visit("images", self.images,
-          OptionInfo{.text = "images of the frames' size, one for every frame used, in order (glob, printf pattern or folder): pixels that are 0 are left out"});
+          OptionInfo{.text = "one such image for every frame used, in order (glob, printf pattern or folder)"});
     visit("glare", self.glare,
-          OptionInfo{.text = "pixels of each frame at least so bright are left out, share of white (glare: .98)", .min = 0, .max = 1, .above_min = true});
+          OptionInfo{.text = "masks pixels at least so bright in each frame, fraction of white (0.98)", .min = 0, .max = 1, .above_min = true});
     visit("motion", self.motion,
-          OptionInfo{.text = "how the polygon or circle moves: a CSV file with the columns frame,right_px,down_px,turn_deg (clockwise, about the shape's middle), linear between its rows"});
+          OptionInfo{.text = "CSV of the shape's motion: frame,right_px,down_px,turn_deg (clockwise about its middle)"});
     visit("follow", self.follow,
-          OptionInfo{.text = "the polygon or circle is a rigid tool, followed from frame to frame"});
+          OptionInfo{.text = "the shape is a rigid tool, followed from frame to frame"});
     visit("follow_by", self.follow_by,
-          OptionInfo{.text = "by what: texture within it; or outline, the edge between tool and surroundings, to which polygon or circle must "
-                             "lie within about 3 px in the first frame"});
+          OptionInfo{.text = "texture inside it, or its outline, given within 3 px in the first frame"});
     visit("air", self.air,
-          OptionInfo{.text = "what is no material, found in each frame: none; texture, windows of 15 px without any; still, what lies outside all "
-                             "regions in the first frame and still looks as there"});
-    visit("grow_px", self.grow_px, OptionInfo{.unit = "px", .text = "what images, glare, air and moving shapes cover grows by so much", .min = 0, .max = 200});
-    visit("invert", self.invert, OptionInfo{.text = "leave out everything else instead"});
+          OptionInfo{.text = "masked in each frame: windows of 15 px without texture; still: what looks as outside the regions at first"});
+    visit("grow_px", self.grow_px, OptionInfo{.unit = "px", .text = "widens images, glare, air and moving shapes", .min = 0, .max = 200});
+    visit("invert", self.invert, OptionInfo{.text = "mask everything else instead"});
   }
 };
 

@@ -36,21 +36,20 @@ struct TextureOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("kind", self.kind,
-          OptionInfo{.text = "blobs: all of one size, brighter than the background; soil: grains of half to twice the "
-                             "diameter, brighter and darker"});
+          OptionInfo{.text = "blobs: of one size, bright; soil: half to twice the diameter, bright and dark"});
     visit("density_per_px", self.density_per_px,
           OptionInfo{.unit = "1/px^2", .text = "blobs per pixel", .min = 0, .above_min = true});
     visit("blob_diameter_px", self.blob_diameter_px,
-          OptionInfo{.unit = "px", .text = "diameter of a blob, four standard deviations", .min = 0.5, .max = 50});
-    visit("peak_min", self.peak_min, OptionInfo{.text = "least peak of a centred blob, share of white", .min = 0, .max = 1});
-    visit("peak_max", self.peak_max, OptionInfo{.text = "greatest peak of a centred blob, share of white", .min = 0, .max = 1});
-    visit("background", self.background, OptionInfo{.text = "grey value without blobs, share of white", .min = 0, .max = 1});
+          OptionInfo{.unit = "px", .text = "four standard deviations of a blob", .min = 0.5, .max = 50});
+    visit("peak_min", self.peak_min, OptionInfo{.text = "least peak of a centred blob, fraction of white", .min = 0, .max = 1});
+    visit("peak_max", self.peak_max, OptionInfo{.text = "greatest peak", .min = 0, .max = 1});
+    visit("background", self.background, OptionInfo{.text = "grey value without blobs, fraction of white", .min = 0, .max = 1});
     visit("blur_px", self.blur_px,
           OptionInfo{.unit = "px", .text = "standard deviation of the lens's blur", .min = 0, .max = 10});
-    visit("noise", self.noise, OptionInfo{.text = "standard deviation of the noise, share of white", .min = 0, .max = 1});
-    visit("loss", self.loss, OptionInfo{.text = "share of blobs replaced by others from frame to frame", .min = 0, .max = 1});
-    visit("light_slope", self.light_slope, OptionInfo{.text = "fall of the illumination across the image's width, share", .min = 0, .max = 1});
-    visit("light_change", self.light_change, OptionInfo{.text = "variation of the illumination in time, share", .min = 0, .max = 1});
+    visit("noise", self.noise, OptionInfo{.text = "standard deviation of the noise, fraction of white", .min = 0, .max = 1});
+    visit("loss", self.loss, OptionInfo{.text = "fraction of blobs replaced per frame", .min = 0, .max = 1});
+    visit("light_slope", self.light_slope, OptionInfo{.text = "fall of the light across the image's width, as a fraction", .min = 0, .max = 1});
+    visit("light_change", self.light_change, OptionInfo{.text = "variation of the light in time, as a fraction", .min = 0, .max = 1});
     visit("bits", self.bits, OptionInfo{.text = "bits per pixel: 8, 12 or 16", .min = 8, .max = 16});
     visit("seed", self.seed, OptionInfo{.text = "seed of the random numbers"});
   }

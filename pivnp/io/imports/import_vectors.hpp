@@ -36,21 +36,19 @@ struct VectorOptions {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("path", self.path,
-          OptionInfo{.text = "glob (piv/*.txt) in one folder, or a file: one file per pair of frames, in the order of the "
-                             "last numbers in their names, relative to the case file"});
+          OptionInfo{.text = "glob (piv/*.txt) or file, one per pair of frames, in the order of the last numbers in their names"});
     visit("format", self.format, OptionInfo{.text = "program that wrote them", .names = &vector_format_names});
     visit("rate_hz", self.rate_hz,
           OptionInfo{.unit = "Hz",
-                     .text = "frames per second of the recording (with [frames]: frames.rate_hz)",
+                     .text = "frames per second; default: frames.rate_hz",
                      .min = 0,
                      .above_min = true});
     visit("anchor", self.anchor,
-          OptionInfo{.text = "instant to which a vector's place belongs: middle of the pair, or its first frame (left out: "
-                             "that of the format's program)"});
+          OptionInfo{.text = "place of a vector: middle of the pair, or its first frame; default: that of the format"});
     visit("y_axis", self.y_axis,
-          OptionInfo{.text = "direction of y and v in the files (format: as the format defines it)"});
+          OptionInfo{.text = "direction of y and v in the files"});
     visit("length_unit", self.length_unit,
-          OptionInfo{.text = "unit of files that hold lengths: m, mm, cm, km or um (left out: camera.length_unit)"});
+          OptionInfo{.text = "unit of lengths in the files: m, mm, cm, km or um; default: camera.length_unit"});
   }
 };
 

@@ -23,13 +23,19 @@ struct CountKeys {
       ADD_FAILURE() << "no heading for " << heading;
       return;
     }
-    const std::string section = text.substr(begin + 1, text.find("\n## ", begin + 1) - begin);
+    std::string section = text.substr(begin + 1, text.find("\n## ", begin + 1) - begin);
+    if (const std::size_t same = section.find("Keys: those of ["); same != std::string::npos) {
+      const std::string other = section.substr(same + 16, section.find(']', same) - same - 16);
+      const std::size_t there = text.find("\n## [" + other + "]\n");
+      ASSERT_LT(there, begin) << heading << " mirrors " << other;
+      section = text.substr(there + 1, text.find("\n## ", there + 1) - there);
+    }
     T::fields(options, [&](std::string_view name, const auto&, const OptionInfo& info) {
       ++keys;
-      const std::size_t row = section.find("| `" + std::string(name) + "` |");
+      const std::size_t row = section.find("\n- `" + std::string(name) + "` (");
       EXPECT_NE(row, std::string::npos) << heading << "." << name;
       if (row == std::string::npos) return;
-      EXPECT_NE(section.substr(row, section.find('\n', row) - row).find(info.text), std::string::npos) << name;
+      EXPECT_NE(section.substr(row, section.find('\n', row + 1) - row).find(info.text), std::string::npos) << name;
     });
   }
   template <class T>
