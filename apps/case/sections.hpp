@@ -39,7 +39,7 @@ void for_each_section(C& c, Visitor&& visit) {
   visit.optional("water", c.water, "Water in the pores of materials with a porosity. Example: datasets/terzaghi.");
   visit.optional("heat", c.heat, "Temperature, and heat from plastic work and seepage.");
   visit.always("compare", c.compare, "How measurement (the first) and simulation (the second) are compared.");
-  visit.always("compare.limits", c.limits, "Greatest (`_min`: least) values; beyond one of them the exit code is 3.");
+  visit.always("compare.limits", c.limits, "Greatest (`_min`: least) values; one that is missed gives exit code 3.");
   visit.always("report", c.report, "What the report shows.");
   visit.always("report.hardware", c.report.hardware, "Camera and specimen, free text for the report's table.");
   visit.named("report.line", c.report.lines, "Cross-sections and virtual extensometers in the report.");

@@ -72,7 +72,7 @@ struct ReportOptions {
     visit("fields", self.fields_drawn, OptionInfo{.text = "fields drawn, by their names in docs/format.md; with water or heat, pressure and temperature too"});
     visit("gauge_m", self.gauge_m, OptionInfo{.unit = "m", .text = "diameter of circles over which strains are drawn; default: the record's gauge", .min = 0, .above_min = true});
     visit("data_sets", self.data_sets, OptionInfo{.text = "one or two motions of the record; default: those compared, else np and mpm"});
-    visit("compare_runs", self.compare_runs, OptionInfo{.text = "records of other runs to show beside this one"});
+    visit("compare_runs", self.compare_runs, OptionInfo{.text = "records of other runs to show as well"});
     visit("animation", self.animation, OptionInfo{.text = "writes animation.mp4: frame with vectors, strains, simulation"});
   }
 };
