@@ -90,7 +90,8 @@ constexpr const char* rules = R"(```
   frames.
 - With `camera.length_unit = "mm"` (cm, km, um) every length (unit m or m/px) is in millimetres; other units, and files
   whose columns name theirs, stay. Record, limits and report are in metres.
-- Histories and CSV files are linear between their rows, constant beyond; changes (`_from_s`, `_until_s`) are linear.
+- Histories and CSV files are linear between their rows, then constant (motions: at rest); changes (`_from_s`, `_until_s`)
+  are linear.
 - Paths are relative to the case file; `--frames PATH`, relative to the current folder, wins.
 - Without `[mpm]` a case only measures. Without `[frames]` and `[synth]` it only simulates and needs `mpm.end_s`,
   `mpm.output_rate_hz` and `grid.spacing_m`.
