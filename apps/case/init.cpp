@@ -60,9 +60,9 @@ std::string camera_section(const InitOptions& options, const FrameFacts& facts) 
   text +=
       options.metres_per_pixel
           ? "metres_per_pixel = " + toml_text(*options.metres_per_pixel) + "\n"
-          : std::string("# metres_per_pixel = 2.0e-4  # left out: lengths are in px, and every _m below means px\n");
+          : std::string("# metres_per_pixel = 2.0e-4  # default: lengths are in px, and every _m below means px\n");
   text += "# origin_px = [0.0, " + toml_text(double(facts.height - 1)) +
-          "]  # pixel (column, row) of the world's (0, 0); left out: the lower left pixel\n";
+          "]  # pixel (column, row) of the world's (0, 0); default: the lower left pixel\n";
   text += "# points_px = [[100, 900], [1800, 900], [1800, 100], [100, 100]]  # or targets in the image ...\n";
   text +=
       "# points_m = [[0.0, 0.0], [0.34, 0.0], [0.34, 0.16], [0.0, 0.16]]  # ... and in the world, for a tilted "

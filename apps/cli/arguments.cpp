@@ -36,7 +36,7 @@ TerminalProgress progress_for(const Session& session) {
 }
 
 void add_case(CLI::App& app, Arguments& arguments, const std::string& left_out) {
-  app.add_option("CASE", arguments.case_path, "case file, or a folder with a case.toml (left out: " + left_out + ")")
+  app.add_option("CASE", arguments.case_path, "case file, or a folder with a case.toml (default: " + left_out + ")")
       ->check([](const std::string& given) {
         return given.empty() ? std::string("found an empty text, expected a file or a folder") : std::string();
       });
@@ -52,7 +52,7 @@ void add_given(CLI::App& app, Arguments& arguments) {
 }
 
 void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback) {
-  app.add_option("--out", arguments.out, "folder for the results (left out: " + fallback + ")")->type_name("DIR");
+  app.add_option("--out", arguments.out, "folder for the results (default: " + fallback + ")")->type_name("DIR");
 }
 
 void add_frames(CLI::App& app, Arguments& arguments) {
@@ -80,11 +80,11 @@ void add_json(CLI::App& app, Arguments& arguments) {
 }
 
 void add_session(CLI::App& app, Session& session) {
-  app.add_option("--threads", session.threads, "threads (left out: all cores); results do not depend on it")
+  app.add_option("--threads", session.threads, "threads (default: all cores); results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
   app.add_option("--simd", session.simd,
-                 "instruction set of the kernels: avx3 (AVX-512), avx2 or sse2 (left out: the best that the processor has); "
+                 "instruction set of the kernels: avx3 (AVX-512), avx2 or sse2 (default: the best that the processor has); "
                  "results differ by round-off")
       ->type_name("SET");
   app.add_flag("--quiet", session.quiet, "no progress, no notes");

@@ -91,7 +91,7 @@ Action declare_init(CLI::App& app, Session& session) {
   app.add_option("--metres-per-pixel", init->options.metres_per_pixel, "scale, if it is known")
       ->check(CLI::PositiveNumber);
   app.add_option("--rate-hz", init->options.rate_hz, "frames per second of the recording")->check(CLI::PositiveNumber);
-  app.add_option("--out", init->out, "writes DIR/case.toml (left out: the case is printed, with the frames' full path)")
+  app.add_option("--out", init->out, "writes DIR/case.toml (default: the case is printed, with the frames' full path)")
       ->type_name("DIR");
   app.add_flag("--force", init->force, "replace a case.toml that is there");
   add_session(app, session);

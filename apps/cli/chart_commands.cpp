@@ -46,7 +46,7 @@ class StageNames {
   void add(CLI::App& app, const std::vector<std::string>& all) {
     std::string names;
     for (const std::string& name : all) names += (names.empty() ? "" : ", ") + name;
-    app.add_option("--stages", names_, "stages to measure: " + names + " (left out: all)")
+    app.add_option("--stages", names_, "stages to measure: " + names + " (default: all)")
         ->type_name("STAGE,...")
         ->delimiter(',')
         ->check(CLI::IsMember(all));
@@ -105,7 +105,7 @@ Action declare_stress(CLI::App& app, Session& session) {
   add_frames(app, s->arguments);
   s->stages.add(app, {stress_stages.begin(), stress_stages.end()});
   app.add_option("--seeds", s->options.seeds, "number of pairs of frames drawn for each combination (1)")->type_name("N")->check(CLI::Range(1, 100));
-  app.add_option("--maps", s->options.maps, "maps to make, by name, for example mpm_step,piv_jpeg_window (left out: all of the stages)")->type_name("NAME,...")->delimiter(',');
+  app.add_option("--maps", s->options.maps, "maps to make, by name, for example mpm_step,piv_jpeg_window (default: all of the stages)")->type_name("NAME,...")->delimiter(',');
   app.add_flag("--short", s->options.in_short, "every second level and smaller frames: under a minute");
   add_session(app, session);
   return [s, &session] {
@@ -141,18 +141,18 @@ Action declare_sweep(CLI::App& app, Session& session) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->required();
-  app.add_flag("--grid", s->options.grid, "all combinations of the values (left out: one key at a time beside the case's own values)");
+  app.add_flag("--grid", s->options.grid, "all combinations of the values (default: one key at a time, the others as in the case)");
   std::string names;
   for (const SweepResponse& r : sweep_responses()) names += (names.empty() ? "" : ", ") + r.name;
-  app.add_option("--response", s->options.responses, "what is read off each run: " + names + " (left out: top_speed,run_out)")
+  app.add_option("--response", s->options.responses, "what is read off each run: " + names + " (default: top_speed,run_out)")
       ->type_name("NAME,...")
       ->delimiter(',');
-  app.add_option("--zone", s->options.zone_m, "the particles that start in this box give displacement and speed (left out: those that move at least half as far as the one that moves most)")
+  app.add_option("--zone", s->options.zone_m, "the particles that start in this box give displacement and speed (default: those that move at least half as far as the one that moves most)")
       ->type_name("X0,Y0,X1,Y1")
       ->delimiter(',')
       ->expected(4);
-  app.add_option("--fields", s->options.fields, "fields drawn of each run's end (left out: displacement_magnitude)")->type_name("NAME,...")->delimiter(',');
-  app.add_option("--jobs", s->options.jobs, "runs at a time (left out: as many as threads)")->type_name("N")->check(CLI::Range(1, 4096));
+  app.add_option("--fields", s->options.fields, "fields drawn of each run's end (default: displacement_magnitude)")->type_name("NAME,...")->delimiter(',');
+  app.add_option("--jobs", s->options.jobs, "runs at a time (default: as many as threads)")->type_name("N")->check(CLI::Range(1, 4096));
   add_session(app, session);
   return [s, &session] {
     const Case c = load_case(s->arguments, session);

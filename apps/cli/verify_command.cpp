@@ -106,7 +106,7 @@ Action declare_verify(CLI::App& app, Session& session) {
   app.add_option("PATH", v->paths, "cases, or folders that hold them; or records (record.h5, or an output folder)")->required();
   add_given(app, v->arguments);
   add_out(app, v->arguments, "out/verify");
-  app.add_option("--junit", v->junit, "the results as JUnit XML (left out: verify.xml in the output folder)")
+  app.add_option("--junit", v->junit, "the results as JUnit XML (default: verify.xml in the output folder)")
       ->type_name("FILE");
   add_session(app, session);
   return [v, &session] {

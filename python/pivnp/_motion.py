@@ -153,13 +153,13 @@ class Motion:
         return self.field(name, frame).plot(0, ax, **scatter)
 
     def to_xarray(self, names: Optional[list[str]] = None) -> Any:
-        """An xarray.Dataset of fields (left out: all that are recorded)."""
+        """An xarray.Dataset of fields (default: all that are recorded)."""
         xarray = _needed("xarray", "python3-xarray")
         chosen = names or [n for n in self.recorded if n != "status"]
         return xarray.merge([self[n].to_xarray() for n in chosen], compat="override", combine_attrs="drop")
 
     def to_pandas(self, names: Optional[list[str]] = None) -> Any:
-        """A pandas.DataFrame of fields (left out: all that are recorded), one row a time and particle."""
+        """A pandas.DataFrame of fields (default: all that are recorded), one row a time and particle."""
         chosen = names or [n for n in self.recorded if n != "status"]
         frame = self[chosen[0]].to_pandas()
         for name in chosen[1:]:

@@ -28,7 +28,7 @@ class Tracker:
         self._core = _core.Tracker(toml, vectors, outlines, None if x0 is None else np.asarray(x0, dtype=float), float(time), time_unit)
 
     def step(self, vectors: _core.Vectors, time: Optional[float] = None) -> None:
-        """Moves all particles through one pair, to `time` (left out: one more than now)."""
+        """Moves all particles through one pair, to `time` (default: one more than now)."""
         self._core.step(vectors, self.time + 1.0 if time is None else float(time))
 
     @property

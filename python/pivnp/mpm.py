@@ -40,7 +40,7 @@ class Solver:
         return self._core.frame()
 
     def run(self, times: Optional[Iterable[float]] = None) -> Motion:
-        """Steps through `times` (s; left out: mpm.output_rate_hz up to mpm.end_s, from 0) and gives the motion at them."""
+        """Steps through `times` (s; default: mpm.output_rate_hz up to mpm.end_s, from 0) and gives the motion at them."""
         if times is None:
             if self._core.end_s is None or self._core.rate_hz is None:
                 raise ValueError("times: left out, expected them or mpm.end_s and mpm.output_rate_hz in the case")

@@ -123,7 +123,7 @@ CalibrateOutcome calibrate_camera(const std::string& pattern, const image::Board
     if (v.corner.empty()) outcome.remarks.push_back(v.name + lost);
     else if (v.rms_px > 2.5 * c.rms_px) outcome.remarks.push_back(v.name + ": its residual is " + number(v.rms_px, 2) + " px, far above the others\u2019 (blur, a bent board?).");
   if (c.rms_px > 0.3)
-    outcome.remarks.push_back("A residual above .3 px is more than corners are found to: the board is not plane, the focus or zoom changed, or the lens needs another model.");
+    outcome.remarks.push_back("A residual above 0.3 px is more than corners are found to: the board is not plane, the focus or zoom changed, or the lens needs another model.");
   if (c.covered < 0.8)
     outcome.remarks.push_back("Corners were seen in " + number(100 * c.covered, 2) + " % of the image's fields only; beyond them the lens is extrapolated. Hold the board into the corners too.");
   if (c.used() < 8) outcome.remarks.push_back("Fewer than 8 pictures: ten to twenty, tilted by 20 to 40 degrees to all sides, hold focal length and distortion apart.");

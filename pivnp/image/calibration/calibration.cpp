@@ -33,7 +33,7 @@ void check_board(const Board& board) {
   if (!(board.square > 0)) throw InputError(command + "the board's squares have no size, expected a length above 0");
   if (!board.dictionary.empty() && !(board.marker > 0 && board.marker < 0.95 * board.square))
     throw InputError(command + "found markers of side " + number(board.marker) + " in squares of " + number(board.square) +
-                     ", expected a length above 0 and below .95 of the square's");
+                     ", expected a length above 0 and below 0.95 of the square's");
 }
 
 // Share of 6 x 4 fields of the image in which there is a corner: the lens is known only where it was seen.

@@ -66,7 +66,7 @@ FrontierStage vortex_frontier(int repeats, int threads, Progress& progress) {
   FrontierStage stage;
   stage.name = "vortex";
   stage.title = "Simulation: generalised vortex";
-  stage.made_of = "A neo-Hookean ring (.75 to 1.25 m) turned by up to one radian, by a body force for which the motion is known; at the turning point.";
+  stage.made_of = "A neo-Hookean ring (0.75 to 1.25 m) turned by up to one radian, by a body force for which the motion is known; at the turning point.";
   stage.error_label = "displacement, rms error (m)";
   stage.time_label = "time of a run (s)";
   stage.columns = {{"cell_m", "cell (m)", "side of a cell"}, {"greatest_m", "greatest (m)", "greatest error of any material point"},

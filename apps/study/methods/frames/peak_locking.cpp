@@ -86,7 +86,7 @@ std::vector<std::string> fraction_remarks(const Setting& setting, std::size_t pa
   const double near = shares[middle - 2] + shares[middle - 1] + shares[middle] + shares[middle + 1];
   return {"Displacements are drawn towards whole pixels (peak locking) by up to " + number(statistics.amplitude(), 2) +
           " px, standard error " + number(statistics.amplitude_error(), 2) + " px; " + number(100 * near, 3) +
-          " % of them lie within .1 px of a whole pixel."};
+          " % of them lie within 0.1 px of a whole pixel."};
 }
 
 }  // namespace pivnp::app

@@ -53,7 +53,7 @@ struct Adding {
     MapPlan plan;
     plan.map = {name, title,
                 motion + ". Vectors " + number(element_px) + " px apart" +
-                    (name.starts_with("np_drift") ? "" : " with a standard error of .02 px") + ". Right: less than " + number(path_bounds.right) + " px off at the end; wrong: more than " +
+                    (name.starts_with("np_drift") ? "" : " with a standard error of 0.02 px") + ". Right: less than " + number(path_bounds.right) + " px off at the end; wrong: more than " +
                     number(path_bounds.wrong) + " px. Flagged: the particle has ended, is flagged, or states a standard error above " + number(most_stated_px) + " px.",
                 std::move(x), std::move(y), {}, std::move(theory)};
     plan.settings = write_fields(options);
@@ -76,20 +76,20 @@ std::vector<MapPlan> np_maps(const np::NpOptions& options) {
     follow(paths, std::make_shared<np::AffineMotion>(np::AffineMotion::rotation(0.005, {middle, middle})));
   };
   const std::vector<double> frames = {10, 30, 100, 300, 1000};
-  LimitLine summed{"twice the sum's standard error is .5 px", {}};
+  LimitLine summed{"twice the sum's standard error is 0.5 px", {}};
   for (const double n : frames) summed.points.push_back({n, most_stated_px / std::sqrt(n)});
-  maps.add("np_drift_noise", "Drift: frames and errors of vectors", "Material that turns by .3 degrees a frame", {"frames", frames},
+  maps.add("np_drift_noise", "Drift: frames and errors of vectors", "Material that turns by 0.3 degrees a frame", {"frames", frames},
            {"standard error of a vector (px)", {0.005, 0.01, 0.02, 0.05, 0.1}}, {summed}, 80, [=](KnownPaths& p, double x, double y) {
              turning(p, x);
              p.error_px = y;
            });
-  maps.add("np_drift_repeated", "Drift: frames and errors that repeat", "The same, with vectors whose standard error is .02 px, a part of it the same in every pair, as the closing of chains has told", {"frames", frames},
+  maps.add("np_drift_repeated", "Drift: frames and errors that repeat", "The same, with vectors whose standard error is 0.02 px, a part of it the same in every pair, as the closing of chains has told", {"frames", frames},
            {"share of the variance that repeats", {0, 0.1, 0.25, 0.5, 1}}, {}, 80, [=](KnownPaths& p, double x, double y) {
              turning(p, x);
              p.repeated_share = y;
            });
   // Of linear interpolation: h^2/8 times the Laplacian, which in this vortex is 2.76 turns over its radius at most.
-  LimitLine bent{"interpolation is off by .5 px", {}};
+  LimitLine bent{"interpolation is off by 0.5 px", {}};
   for (const double turn : {0.25, 0.5, 0.72}) bent.points.push_back({turn, turn * 2.76 / 8 * element_px / path_bounds.wrong});
   maps.add("np_curved", "Curved motion: turn and size of a vortex", "A vortex that turns its middle in 20 frames", {"turn (rad)", {0.25, 0.5, 1, 2, 4}},
            {"radius (elements)", {1.5, 2, 3, 4, 6, 8}}, {bent}, whole, [](KnownPaths& p, double x, double y) {
@@ -120,7 +120,7 @@ std::vector<MapPlan> np_maps(const np::NpOptions& options) {
              p.increment = [=](const Vec2& at, int) -> Vec2 { return {by(at.x()), 0}; };
              p.position = [=](const Vec2& x0, double) -> Vec2 { return {1 - x * std::cos(k * (x0.x() - middle)) > 0 ? x0.x() + by(x0.x()) : no_place, x0.y()}; };
            });
-  maps.add("np_leave", "Leaving the view", "Material that moves out of the grid, with a shear wave of .5 % a frame", {"elements a frame", {0.02, 0.05, 0.1, 0.25, 0.5, 1, 2}}, {"frames", {5, 10, 20, 40}},
+  maps.add("np_leave", "Leaving the view", "Material that moves out of the grid, with a shear wave of 0.5 % a frame", {"elements a frame", {0.02, 0.05, 0.1, 0.25, 0.5, 1, 2}}, {"frames", {5, 10, 20, 40}},
            {{"half of it has left", {{2, 5}, {1, 10}, {0.5, 20}, {0.25, 40}}}}, whole, [](KnownPaths& p, double x, double y) {
              p.frames = int(y);
              stream(p, waved(x * element_px, 0.005, 16 * element_px));

@@ -62,7 +62,7 @@ std::vector<MapPlan> piv_maps(const piv::PivOptions& piv, int side, int seeds) {
     MapPlan plan;
     plan.map.name = name;
     plan.map.title = title;
-    plan.map.made_of = "Drawn texture, frames of " + std::to_string(side) + " x " + std::to_string(side) + " px, blobs of 3 px and .05 a pixel where nothing else is said, " +
+    plan.map.made_of = "Drawn texture, frames of " + std::to_string(side) + " x " + std::to_string(side) + " px, blobs of 3 px and 0.05 a pixel where nothing else is said, " +
                        std::to_string(seeds) + (seeds == 1 ? " pair" : " pairs") + " of " + std::to_string(nodes) +
                        " vectors a combination. Right: less than " + number(vector_bounds.right) + " px off; wrong: more than " + number(vector_bounds.wrong) + " px.";
     plan.map.x = std::move(x);
