@@ -10,6 +10,7 @@
 #include "apps/case/values.hpp"
 #include "apps/cli/arguments.hpp"
 #include "apps/cli/commands.hpp"
+#include "apps/study/element/element.hpp"
 #include "apps/study/frontier/frontier.hpp"
 #include "apps/study/stress/stress.hpp"
 #include "apps/study/sweep/sweep.hpp"
@@ -171,6 +172,38 @@ Action declare_sweep(CLI::App& app, Session& session) {
     const auto kept = std::count_if(outcome.runs.begin(), outcome.runs.end(), [](const SweepRun& run) { return run.kept; });
     if (!session.quiet && kept > 0) session.out << "note: " << kept << " of " << outcome.runs.size() << " runs are those of an earlier call\n";
     return code;
+  };
+}
+
+Action declare_element(CLI::App& app, Session& session) {
+  struct Element {
+    Arguments arguments;
+    ElementStudy study;
+    std::string test = "triaxial";
+  };
+  const auto e = std::make_shared<Element>();
+  add_case(app, e->arguments);
+  add_out(app, e->arguments, "out/<name of the case's folder>/element");
+  app.add_option("--test", e->test, "triaxial, biaxial (plane strain), oedometer, isotropic, simple_shear or direct_shear (triaxial)")
+      ->type_name("TEST")
+      ->check(CLI::IsMember(choice_names<mpm::ElementTest>()));
+  app.add_option("--material", e->study.material, "the case's material to test (default: its only one)")->type_name("NAME");
+  app.add_option("--pressure", e->study.pressures_pa,
+                 "a test each: cell pressure, or vertical stress in shear, or the greatest stress of an oedometer or isotropic test, in Pa (50e3,100e3,200e3)")
+      ->type_name("PA,...")
+      ->delimiter(',');
+  app.add_flag("--undrained", e->study.test.undrained, "constant volume, with the pore pressure that follows (default: drained)");
+  app.add_option("--strain", e->study.test.strain, "axial or shear strain at the end (0.2)")->type_name("1");
+  app.add_option("--k0", e->study.test.k0, "horizontal over vertical stress at the start of a shear test (1)")->type_name("1");
+  app.add_option("--rate", e->study.test.rate_1_s, "strain rate, for laws that depend on it (1e-4)")->type_name("1/S");
+  app.add_option("--band", e->study.band_m, "thickness of a shear box's band: the displacement is it times the shear strain (default: the strain is drawn)")->type_name("M");
+  app.add_option("--lab", e->study.laboratory, "the laboratory's test, CSV: axial_strain_percent, deviator_stress_kpa, volumetric_strain_percent and the like")->type_name("FILE");
+  add_session(app, session);
+  return [e, &session] {
+    const Case c = load_case(e->arguments, session);
+    e->study.test.test = *value_named<mpm::ElementTest>(e->test);
+    const ElementOutcome outcome = element(c, e->study, settings_for(e->arguments, session, c, default_out(c) / "element"));
+    return print_charts(outcome.files, outcome.sentences, session);
   };
 }
 

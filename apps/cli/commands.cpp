@@ -55,6 +55,10 @@ const std::vector<Command>& commands() {
        "pivnp sweep lab/case.toml --vary material.clay.permeability_m_s=1e-11,1e-9,1e-7 --vary material.clay.friction_deg=10,11,12\n"
        "pivnp sweep lab/case.toml --grid --vary grid.spacing_m=0.5,0.25 --vary material.clay.band_exchange=deviation,none --response peak_band_pressure",
        declare_sweep},
+      {"element", "draw a laboratory's element tests on a material of a case: triaxial, biaxial, oedometer, isotropic, shear",
+       "pivnp element lab/case.toml --test triaxial --pressure 50e3,100e3,200e3\n"
+       "pivnp element lab/case.toml --material clay --test triaxial --undrained --lab tests/cu_100.csv --pressure 100e3",
+       declare_element},
   };
   return table;
 }

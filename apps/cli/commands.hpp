@@ -35,10 +35,11 @@ Action declare_track(CLI::App& app, Session& session);
 Action declare_simulate(CLI::App& app, Session& session);
 Action declare_synth(CLI::App& app, Session& session);
 
-// Speed against accuracy, and where methods fail (chart_commands.cpp).
+// Speed against accuracy, where methods fail, and what a law does (chart_commands.cpp).
 Action declare_frontier(CLI::App& app, Session& session);
 Action declare_stress(CLI::App& app, Session& session);
 Action declare_sweep(CLI::App& app, Session& session);
+Action declare_element(CLI::App& app, Session& session);
 
 // On pictures of a calibration board (camera_commands.cpp).
 Action declare_calibrate(CLI::App& app, Session& session);

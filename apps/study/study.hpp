@@ -1,6 +1,7 @@
 // The chains of several engines that the commands run, as a library of values: no argv, no printing.
 #pragma once
 
+#include "apps/study/element/element.hpp"
 #include "apps/study/frontier/frontier.hpp"
 #include "apps/study/stress/stress.hpp"
 #include "apps/study/studies/calibrate.hpp"

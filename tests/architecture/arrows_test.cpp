@@ -50,7 +50,7 @@ const std::map<std::string, std::vector<std::string>> floors = {
     {"apps/report", {"content", "words", "figures", "document"}},
     {"apps/study/pipeline", {"scene", "measure", "record"}},
     {"apps/study/methods", {"frames", "simulation", "paths"}},
-    {"apps/study", {"pipeline", "synth", "methods", "frontier", "stress", "sweep", "studies"}},
+    {"apps/study", {"pipeline", "synth", "methods", "frontier", "element", "stress", "sweep", "studies"}},
 };
 
 // Of another folder, one floor only.

@@ -13,7 +13,7 @@ namespace pivnp::image {
 namespace {
 
 constexpr int block = 8;
-constexpr std::size_t most_blocks = 4000, least_blocks = 100, least_values = 60;
+constexpr std::size_t most_blocks = 1000, least_blocks = 100, least_values = 60;
 
 // Steps at quality 50, by the frequency along y and x.
 constexpr int luminance[block][block] = {{16, 11, 10, 16, 24, 40, 51, 61},     {12, 12, 14, 19, 26, 58, 60, 55},
@@ -59,7 +59,7 @@ int step_of(const std::vector<double>& values) {
   for (int step = most; step >= 4; --step) {
     std::vector<double> off;
     for (const double value : values)
-      if (const double times = std::round(value / step); times >= 1) off.push_back(std::abs(value / step - times));
+      if (const int times = int(value / step + 0.5); times >= 1) off.push_back(std::abs(value / step - times));
     if (off.size() < least_values) continue;
     const auto middle = off.begin() + std::ptrdiff_t(off.size() / 2);
     std::nth_element(off.begin(), middle, off.end());
@@ -89,7 +89,7 @@ int standard_quality(const Values& values) {
         const int step = std::clamp((luminance[j][k] * scale + 50) / 100, 1, 255);
         if (j + k == 0 || step < 4) continue;
         for (const double value : values[j][k])
-          if (const double times = std::round(value / step); times >= 1)
+          if (const int times = int(value / step + 0.5); times >= 1)
             off.push_back(std::abs(value - step * times)), uniform += step / 4.0;
       }
     if (off.size() < least_values || uniform < uniform_off * double(off.size())) continue;

@@ -20,4 +20,9 @@ struct TimeTable {
 /// given twice, no number, times that do not ascend, fewer than two rows.
 TimeTable read_time_table(const std::filesystem::path& file, const std::vector<std::string>& wanted);
 
+/// What a laboratory's element test may give; strains (1, percent) and stresses (pa, kpa, mpa), compression positive.
+const std::vector<std::string>& test_quantities();
+/// Reads such a CSV file: axial_strain_percent, deviator_stress_kpa and so on, in SI by quantity. Throws InputError as read_time_table() does.
+std::map<std::string, std::vector<double>> read_test_table(const std::filesystem::path& file);
+
 }  // namespace pivnp::io
