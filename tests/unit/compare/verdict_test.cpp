@@ -2,8 +2,8 @@
 // V&V 20's E and u_val, and numerical uncertainty by coarser grids, against values worked by hand.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
