@@ -51,12 +51,12 @@ if name == "tbar":
     usual = [k for k in range(status.shape[0]) if names[k + 1] not in flagged]
     far = np.hypot(x, y) > 1.7
     median = np.median(np.concatenate([displacement[k][far & (status[k] == 1)] for k in usual]), axis=0) * px
-    row("far-field increment (0.02, 1.97) px a frame, downward, within 0.05", f"({median[0]:.3f}, {-median[1]:.3f})")
+    row("far-field increment within 0.05 px of (0.02, 1.97)", f"({median[0]:.3f}, {-median[1]:.3f})")
     assert abs(median[0] - 0.02) < 0.05 and abs(-median[1] - 1.97) < 0.05, median
-    row("flagged step: IMG_1074 -> IMG_1075 alone", "ends at " + ", ".join(flagged))
+    row("only the step to IMG_1075 flagged", "ends at " + ", ".join(flagged))
     assert flagged == ["IMG_1075.jpg"], flagged
     share = record["compare/increment_median_relative"].attrs["value"]
-    row("median difference of increments outside 1.5 D, at most 10 % of the far field",
+    row("median difference outside 1.5 D at most 10 %",
         f"{100 * share:.1f} % ({record['compare/increment_median'].attrs['value'] * px:.3f} px)")
     assert share <= 0.10, share
 elif name == "sand_wedge":
@@ -90,5 +90,5 @@ else:
         return np.percentile(r[(status[k] == 1) & (y < 0) & (outward > 0.15)], 98)
 
     speed = (front(54) - front(30)) / 0.1
-    row("the vectors' front moves as the published one of the beads, 0.74 m/s, within 15 %", f"{speed:.2f} m/s")
+    row("front within 15 % of 0.74 m/s", f"{speed:.2f} m/s")
     assert abs(speed - 0.74) < 0.15 * 0.74, speed
