@@ -12,6 +12,7 @@
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/core/record/frames.hpp"
+#include "pivnp/core/record/remark.hpp"
 
 namespace pivnp::image {
 
@@ -70,8 +71,8 @@ class FrameSource {
   virtual int height() const = 0;
   /// What the frames are read from: one file each in their order, one video, or nothing (frames made in memory).
   virtual std::vector<std::filesystem::path> files() const { return {}; }
-  /// What is to be known of how the frames are read: their order, gaps, grey values that are lost. One sentence each.
-  virtual std::vector<std::string> remarks() const { return {}; }
+  /// What is to be known of how the frames are read: their order, gaps, grey values that are lost.
+  virtual std::vector<Remark> remarks() const { return {}; }
   /// Grey image of frame `index` (colour: ITU-R BT.601 luma). 16-bit files stay u16. Throws InputError naming the file
   /// if it is missing, truncated, unreadable, or differs in size or depth from the first.
   virtual Image read(int index) = 0;

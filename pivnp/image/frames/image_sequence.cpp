@@ -13,7 +13,7 @@ namespace {
 
 class ImageSequence final : public FrameSource {
  public:
-  ImageSequence(std::vector<fs::path> files, std::vector<Frame> frames, bool has_rate, std::vector<std::string> remarks)
+  ImageSequence(std::vector<fs::path> files, std::vector<Frame> frames, bool has_rate, std::vector<Remark> remarks)
       : files_(std::move(files)), frames_(std::move(frames)), has_rate_(has_rate), remarks_(std::move(remarks)) {
     const Image first = read_image_file(files_.front(), frames_key);
     width_ = first.width();
@@ -26,7 +26,7 @@ class ImageSequence final : public FrameSource {
   int width() const override { return width_; }
   int height() const override { return height_; }
   std::vector<fs::path> files() const override { return files_; }
-  std::vector<std::string> remarks() const override { return remarks_; }
+  std::vector<Remark> remarks() const override { return remarks_; }
 
   Image read(int index) override {
     const fs::path& file = files_.at(std::size_t(index));
@@ -42,7 +42,7 @@ class ImageSequence final : public FrameSource {
   std::vector<fs::path> files_;
   std::vector<Frame> frames_;
   bool has_rate_;
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
   int width_ = 0, height_ = 0;
   PixelDepth depth_ = PixelDepth::u8;
 };

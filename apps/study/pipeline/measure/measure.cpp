@@ -157,7 +157,7 @@ std::vector<std::vector<std::uint8_t>> masks_of_group(const Setting& setting, in
 
 // Pairs whose correlations are averaged: each of a group has their mean displacement. Groups begin at multiples of
 // their number, so that a run that is taken up again has the same.
-std::vector<std::string> measure_means(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer,
+std::vector<Remark> measure_means(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer,
                    int first_pair, int threads, Progress& progress, FrameLooks* looks) {
   const piv::PivOptions options = *c.piv;
   const piv::NodeLattice lattice = node_lattice(setting);
@@ -240,7 +240,7 @@ StepQuality quality_of(const VectorField& field) {
   return q;
 }
 
-std::vector<std::string> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
+std::vector<Remark> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress, FrameLooks* looks) {
   const io::StageState done = writer.stage("piv");
   if (done.complete) return {};
@@ -249,7 +249,7 @@ std::vector<std::string> measure(const Case& c, const Setting& setting, image::F
   const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
   const bool moves = !setting.cameras.empty();
   if (options.ensemble > 1) {
-    std::vector<std::string> remarks = measure_means(c, setting, source, writer, int(done.items), threads, progress, looks);
+    std::vector<Remark> remarks = measure_means(c, setting, source, writer, int(done.items), threads, progress, looks);
     writer.end_stage("piv", nullptr);
     return remarks;
   }

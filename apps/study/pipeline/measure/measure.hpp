@@ -43,7 +43,7 @@ std::vector<FrameLook> all_looks(image::FrameSource& source, const FrameLooks& l
 
 /// Measures every pair that `writer` does not hold yet; two frames and the fields of a group of pairs are in memory.
 /// Regions of the case go along as masks (moving_regions.hpp). Returns remarks on them.
-std::vector<std::string> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
+std::vector<Remark> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress, FrameLooks* looks = nullptr);
 
 /// The vectors of one pair of frames, `pair` = (first, second), any distance apart. `material`: regions as masks of it; null: none.

@@ -8,7 +8,7 @@
 
 #include "apps/report/animation.hpp"
 #include "apps/report/report.hpp"
-#include "apps/study/pipeline/record/outcome.hpp"
+#include "apps/study/pipeline/record/remarks.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"
@@ -171,24 +171,13 @@ void write_animation(const Case& c, const io::RecordReader& record, const report
   video.finish();
 }
 
-}  // namespace
-
-void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison,
-                     image::FrameSource* source, const fs::path& directory) {
-  const io::RecordReader record(outcome.record, io::Trust::known);  // just written, or read before
+void draw_report(const Case& c, const io::RecordReader& record, RunOutcome& outcome, std::optional<Comparison> comparison,
+                 image::FrameSource* source, const fs::path& directory) {
   report::ReportInput input;
   input.name = c.name;
   input.record = &record;
-  for (const std::string& name : record.motion_names())
-    for (std::string& remark : remarks_on_heat(*record.motion(name))) outcome.remarks.push_back(std::move(remark));
-  if (c.mpm)
-    for (std::string& remark : remarks_on_energy(record.energy(), c.mpm->damping.value_or(0) > 0))
-      outcome.remarks.push_back(std::move(remark));
   input.remarks = outcome.remarks;
-  if (comparison) {
-    input.notes = comparison->remarks;
-    outcome.remarks.insert(outcome.remarks.end(), comparison->remarks.begin(), comparison->remarks.end());
-  }
+  if (comparison) input.notes = comparison->remarks;
   input.comparison = std::move(comparison);
   input.compared = c.compare;
   input.setup = setup_of(c, record);
@@ -209,8 +198,17 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
   if (c.report.animation) write_animation(c, record, report::content_of(c.report, input), source, directory / "animation.mp4");
   outcome.report_html = directory / "report.html";
   outcome.report_pdf = directory / "report.pdf";
-  const std::vector<std::string> flagged = remarks_of(record);  // the report finds these itself
-  outcome.remarks.insert(outcome.remarks.end(), flagged.begin(), flagged.end());
+}
+
+}  // namespace
+
+void tell_record(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison, image::FrameSource* source,
+                 const fs::path& directory, bool draw) {
+  const io::RecordReader record(outcome.record, io::Trust::known);  // just written, or read before
+  for (Remark& remark : remarks_of(record)) outcome.remarks.push_back(std::move(remark));
+  std::vector<std::string> notes = comparison ? comparison->remarks : std::vector<std::string>{};
+  if (draw) draw_report(c, record, outcome, std::move(comparison), source, directory);
+  append(std::move(notes), outcome.remarks);
 }
 
 }  // namespace pivnp::app
