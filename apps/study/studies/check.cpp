@@ -91,12 +91,13 @@ double simulation_seconds(mpm::Solver& solver, const CaseSize& size, double end_
 
 // The first pair, one in the middle and the last.
 std::vector<VectorField> three_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, double& seconds) {
-  const int last = int(source.frames().size()) - 2;
+  const int last = int(pairs_among(c, source.frames().size())) - 1, apart = in_twos(c) ? 2 : 1;
   std::vector<VectorField> out;
   for (const int k : {0, last / 2, last}) {
-    if (!out.empty() && k <= out.back().pair[0]) continue;
+    const int first = k * apart;
+    if (!out.empty() && first <= out.back().pair[0]) continue;
     const auto start = std::chrono::steady_clock::now();
-    out.push_back(measure_pair(c, setting, source, {k, k + 1}, threads));
+    out.push_back(measure_pair(c, setting, source, {first, first + 1}, threads));
     if (out.size() == 1) seconds = seconds_since(start);
   }
   return out;
@@ -132,6 +133,7 @@ std::vector<std::string> rate_remarks(const Case& c, const Setting& setting, con
   std::string text = "Motion in a step, in " + std::to_string(pairs.size()) + (pairs.size() == 1 ? " pair" : " pairs") + " tried: " +
                      number(middle, 2) + " px in the median, " + number(most, 2) + " px at the 95th percentile; " +
                      number(100 * double(valid) / double(asked), 3) + " % of the vectors in the material are valid. ";
+  if (in_twos(c)) return {text};
   const auto at = [&](double factor) { return rate_hz > 0 ? " (" + number(rate_hz * factor, 3) + " frames a second)" : std::string(); };
   if (most > window)
     text += "That is more than a window: " + number(most / quarter, 2) + " times as many frames" + at(most / quarter) + " would hold it to a quarter of one.";
@@ -255,8 +257,8 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     filters = check_filters(c, setting, *source, settings, progress);
     double one = 0;
     tried = three_pairs(c, setting, *source, settings.threads, one);
-    if (!draws) regions = regions_along_frames(c, setting, *source, settings.threads, progress);
-    seconds += one * double(frames - 1);
+    if (!draws && !in_twos(c)) regions = regions_along_frames(c, setting, *source, settings.threads, progress);
+    seconds += one * double(pairs_among(c, frames));
   }
   if (measures && c.mpm) check_compared_zones(c, setting);
   CheckOutcome outcome{{}, {text_of(size)}};

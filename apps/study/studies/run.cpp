@@ -60,7 +60,8 @@ class Run {
       : settings_(settings), progress_(progress), c_(given) {
     progress_.begin("frames");
     measures = stages != Stages::simulate && (c_.frames || c_.vectors || c_.synth || settings.frames);
-    tracks = measures && stages != Stages::piv;
+    tracks = measures && stages != Stages::piv && !in_twos(c_);
+    if (in_twos(c_)) require_alone(stages);
     simulates = c_.mpm && (stages == Stages::all || stages == Stages::simulate);
     if (!measures && !simulates)
       throw InputError(of_file(c_) + ": there is nothing to do, as there are neither frames nor [mpm]");
@@ -87,7 +88,7 @@ class Run {
 
   void measure_vectors() {
     progress_.begin("vectors");
-    progress_.expect("PIV", double(frames_.size() - 1));
+    progress_.expect("PIV", double(pairs_among(c_, frames_.size())));
     FrameLooks looks(frames_.size());
     std::vector<std::string> filters;
     std::vector<Remark> regions;
@@ -104,27 +105,31 @@ class Run {
                              vectors_ ? std::vector<FrameLook>{} : all_looks(*source_, looks));
     writer_->set_frames(frames_);
     const auto pair = [&](std::size_t k) { return writer_->pair(k); };
-    const std::size_t pairs = frames_.size() - 1, middle = (pairs - 1) / 2;
+    const std::size_t pairs = pairs_among(c_, frames_.size()), middle = (pairs - 1) / 2;
+    const bool follow_each_other = !in_twos(c_);
     if (vectors_) note(remarks_on_import(*vectors_, c_));
     if (!vectors_) {
       const Image first = source_->read(0);
       add(source_->remarks());
       doubt(exposure_remarks(setting_, first));
       doubt(texture_remarks(setting_, first, file_of_first(*source_)));
-      doubt(interlace_remarks(setting_, source_->read(int(middle)), writer_->pair(middle)));
+      const VectorField some = pair(middle);
+      doubt(interlace_remarks(setting_, source_->read(some.pair[0]), some));
     }
     doubt(doubts_of_scale(c_));
     if (setting_.width > 0) doubt(fraction_remarks(setting_, pairs, pair));
     note(std::move(filters));
     add(std::move(regions));
-    if (!vectors_) doubt(pattern_remarks(setting_, *source_, pair));
+    if (!vectors_ && follow_each_other) doubt(pattern_remarks(setting_, *source_, pair));
     note(strided_);
     add(camera_motion_remarks(c_, setting_.camera_motion, frames_));
-    doubt(still_zone_remarks(c_, setting_, pairs, pair));
+    if (follow_each_other) doubt(still_zone_remarks(c_, setting_, pairs, pair));
     if (!vectors_) add(shutter_remarks(c_, setting_, frames_, pairs, pair));
     progress_.begin("closure");
     if (vectors_)
       closure_.verdict = "not checked: the vectors are another program's";
+    else if (!follow_each_other)
+      closure_.verdict = "not checked: the pairs do not follow each other";
     else
       closure_ = check_closure(
           c_, setting_, *source_, [&](int k) { return writer_->pair(std::size_t(k)); }, settings_.threads, progress_);
@@ -210,6 +215,17 @@ class Run {
   }
 
  private:
+  // Pairs of exposures: from one to the next no motion is known.
+  void require_alone(Stages stages) {
+    const std::string twos = "frames.pairs: found \"double\", ";
+    if (stages == Stages::track)
+      throw InputError(twos + "but from one pair to the next no motion is known that particles could follow; expected the command piv");
+    if (c_.piv && c_.piv->ensemble > 1) throw InputError(twos + "expected \"sequence\" for piv.ensemble");
+    if (c_.vectors) throw InputError(twos + "expected \"sequence\" for imported vectors");
+    if (stages == Stages::all && measures)
+      note({"The frames are pairs of exposures (frames.pairs): no particles were followed, as from one pair to the next no motion is known."});
+  }
+
   void add(std::vector<Remark> remarks) {
     for (Remark& remark : remarks) outcome_.remarks.push_back(std::move(remark));
   }

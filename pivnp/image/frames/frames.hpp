@@ -22,10 +22,18 @@ inline constexpr std::array frame_times_names{NamedValue{"even", FrameTimes::eve
                                               NamedValue{"stamps", FrameTimes::stamps}};
 constexpr const auto& names_of(FrameTimes) { return frame_times_names; }
 
+/// Which frames make a pair: each with the next, or two and two, the exposures of a double-frame camera.
+enum class FramePairs { sequence, twos };
+inline constexpr std::array frame_pairs_names{NamedValue{"sequence", FramePairs::sequence},
+                                              NamedValue{"double", FramePairs::twos}};
+constexpr const auto& names_of(FramePairs) { return frame_pairs_names; }
+
 struct FrameOptions {
   std::string path = {};
   std::optional<double> rate_hz = {};
   FrameTimes times = FrameTimes::even;
+  FramePairs pairs = FramePairs::sequence;
+  std::optional<double> pair_time_s = {};
   int first = 0;
   std::optional<int> last = {};
   int stride = 1;
@@ -43,6 +51,12 @@ struct FrameOptions {
           OptionInfo{.text = "when frames were taken: even, by rate_hz or the container's rate; stamps, a video of "
                              "variable rate, by the time stamps "
                              "in its container"});
+    visit("pairs", self.pairs,
+          OptionInfo{.text = "sequence: each frame with the next; double: two and two, the exposures of a double-frame "
+                             "camera, whose pairs rate_hz then counts"});
+    visit("pair_time_s", self.pair_time_s,
+          OptionInfo{.unit = "s", .text = "double: time between the two exposures of a pair (with rate_hz)",
+                     .min = 0, .above_min = true});
     visit("first", self.first, OptionInfo{.text = "first frame used, counted from 0", .min = 0});
     visit("last", self.last, OptionInfo{.text = "last frame used (left out: all)", .min = 0});
     visit("stride", self.stride, OptionInfo{.text = "use every n-th frame", .min = 1});

@@ -276,13 +276,14 @@ std::unique_ptr<FrameSource> video_source(const FrameOptions& options, const fs:
     check_stamps(survey, std::size_t(numbers.back()) + 1, file);
   else if (!options.rate_hz)
     check_rate(survey, file);
-  const double rate = options.rate_hz.value_or(survey.rate_hz);
+  // A container's rate says nothing of the time between two exposures of a pair.
+  const double rate = options.rate_hz.value_or(options.pairs == FramePairs::sequence ? survey.rate_hz : 0);
   std::vector<Frame> frames;
   for (const int number : numbers) {
     const double steps = number - options.first;
     const std::string name = file.filename().string() + "#" + std::to_string(number);
     const double stamp = survey.stamps_s[std::size_t(number)] - survey.stamps_s[std::size_t(options.first)];
-    frames.push_back({name, stamped ? stamp : rate > 0 ? steps / rate : steps, frame_ok});
+    frames.push_back({name, stamped ? stamp : frame_time(options, rate, frames.size(), steps), frame_ok});
   }
   return std::make_unique<VideoSource>(file, numbers, std::move(frames), stamped || rate > 0);
 }

@@ -88,7 +88,11 @@ std::vector<std::pair<std::string, std::string>> setup_of(const Case& c, const i
   if (record.pair_count() == 0) return rows;
   const std::vector<Frame>& frames = record.frames();
   std::string text = std::to_string(frames.size());
-  if (record.head().time_unit == "s" && frames.size() > 1)
+  const bool twos = c.frames && c.frames->pairs == image::FramePairs::twos;
+  if (twos) text += ", two exposures a pair";
+  if (twos && c.frames->rate_hz)
+    text += " " + number(*c.frames->pair_time_s, 4) + " s apart, " + number(*c.frames->rate_hz, 4) + " pairs a second";
+  else if (!twos && record.head().time_unit == "s" && frames.size() > 1)
     text += ", " + number(double(frames.size() - 1) / (frames.back().time - frames.front().time), 4) + " a second";
   rows.emplace_back("Frames", text);
   if (c.vectors) {
