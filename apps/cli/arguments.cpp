@@ -1,6 +1,7 @@
 #include "apps/cli/arguments.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <ostream>
@@ -123,16 +124,19 @@ RunSettings settings_for(const Arguments& arguments, const Session& session, con
 fs::path default_out(const Case& c) { return fs::path("out") / short_name(c); }
 
 int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const std::string& name,
-                  const Session& session) {
-  const int code = any_exceeded(outcome.limits) ? 3 : 0;
+                  const Session& session, bool of_run) {
+  const bool unusable = of_run && std::any_of(outcome.remarks.begin(), outcome.remarks.end(),
+                                              [](const Remark& r) { return r.weight == RemarkWeight::unusable; });
+  const int code = unusable ? 1 : any_exceeded(outcome.limits) ? 3 : 0;
   const auto line = [&](const std::string& text) {
     if (!arguments.json) session.out << text << "\n";
   };
   if (arguments.json) session.out << comparison_json(outcome, code);
   for (const fs::path& file : {outcome.record, outcome.report_html, outcome.report_pdf})
     if (!file.empty()) line(file.string());
-  if (!session.quiet)
-    for (const std::string& remark : outcome.remarks) line("note: " + remark);
+  for (const Remark& remark : outcome.remarks)
+    if (of_run && remark.weight == RemarkWeight::unusable) print_error(session.err, remark.text);
+    else if (!session.quiet) line((remark.weight == RemarkWeight::note ? "note: " : "warning: ") + remark.text);
   if (const std::string cost = text_of(outcome.cost); !session.quiet && !cost.empty()) line("note: " + cost);
   VerifyResult limits;
   limits.name = name;

@@ -57,8 +57,9 @@ RunSettings settings_for(const Arguments& arguments, const Session& session, con
 std::filesystem::path default_out(const Case& c);
 
 /// Prints where the results are, what was flagged and which limits were met or exceeded, and writes the JUnit XML that
-/// was asked for. Gives the exit code: 0, or 3 if a limit was exceeded.
+/// was asked for. Gives the exit code: 0; 3 if a limit was exceeded; 1 if it is that `of_run` whose result is not usable,
+/// which is an error.
 int print_outcome(const RunOutcome& outcome, const Arguments& arguments, const std::string& name,
-                  const Session& session);
+                  const Session& session, bool of_run = false);
 
 }  // namespace pivnp::app

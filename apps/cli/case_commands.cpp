@@ -51,7 +51,7 @@ Action declare_stages(CLI::App& app, Session& session, Stages stages) {
       TerminalProgress progress = progress_for(session);
       outcome = run_case(c, settings_for(*arguments, session, c, default_out(c)), stages, progress);
     }
-    return print_outcome(outcome, *arguments, c.name, session);
+    return print_outcome(outcome, *arguments, c.name, session, true);
   };
 }
 

@@ -67,9 +67,9 @@ std::string comparison_json(const RunOutcome& outcome, int exit_code) {
   }
   out += "\n  },\n  \"remarks\": [";
   comma = "\n";
-  for (const std::string& remark : outcome.remarks) {
+  for (const Remark& remark : outcome.remarks) {
     out += comma;
-    out += "    " + json_text(remark);
+    out += "    " + json_text(remark.text);
     comma = ",\n";
   }
   return out + "\n  ]\n}\n";

@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <sys/auxv.h>
 #include <unistd.h>
 
@@ -23,9 +24,18 @@ void wait_briefly(char** argv) {
   execv(program.data(), argv);
 }
 
+// Where standard input, output or error is closed, the next file that is opened would take its place and get what is
+// meant for it. Reading gives nothing, and writing fails as before.
+void occupy_standard_descriptors() {
+  int descriptor = 0;
+  while (descriptor >= 0 && descriptor <= STDERR_FILENO) descriptor = open("/dev/null", O_RDONLY);
+  if (descriptor > STDERR_FILENO) close(descriptor);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupy_standard_descriptors();
   if (argc > 2) wait_briefly(argv);  // a command and what it works on
   pivnp::app::install_signal_handlers();
   return pivnp::app::run_command_line(argc, argv, std::cout, std::cerr, isatty(STDERR_FILENO) == 1);

@@ -24,7 +24,7 @@ struct ReportInput {
   std::shared_ptr<const Picture> last_picture;  // the frame at the last compared time, if it is to be had (nullptr: it is not)
   std::vector<std::pair<std::string, std::string>> setup;  // of the measurement: what, and how it was
   std::vector<Run> runs;                 // to show beside each other, this record's own first
-  std::vector<std::string> remarks;      // what was flagged and why, one sentence each
+  std::vector<Remark> remarks;           // what the run and its data say: doubts are flags
   std::vector<std::string> notes;        // how the comparison was made, likewise
 };
 

@@ -22,9 +22,9 @@ from ._core import Frame, Vectors, __version__, read_image
 from ._compare import Comparison, Metric, Table, compare
 from ._correlate import Correlator, correlate
 from ._motion import Field, Motion, open_motion
-from ._record import Record, open_record as open
+from ._record import Record, Remark, open_record as open
 from ._run import run
 from ._track import Tracker
 
-__all__ = ["Comparison", "Correlator", "Field", "Frame", "Metric", "Motion", "Record", "Table", "Tracker", "Vectors", "__version__",
+__all__ = ["Comparison", "Correlator", "Field", "Frame", "Metric", "Motion", "Record", "Remark", "Table", "Tracker", "Vectors", "__version__",
            "compare", "correlate", "mpm", "open", "open_motion", "read_image", "run"]

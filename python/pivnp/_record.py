@@ -46,6 +46,14 @@ class Pairs:
         return xarray.Dataset(data, coords={"x": self.x, "y": self.y, "first": ("pair", self.pair[:, 0]), "second": ("pair", self.pair[:, 1])})
 
 
+@dataclasses.dataclass(frozen=True)
+class Remark:
+    """text: one sentence or two; weight: note, doubt or unusable; id: of the kind of remark, empty where a stage of the run said it."""
+    text: str
+    weight: str
+    id: str
+
+
 class Record:
     """A record that is read when it is asked: record["np"], record["mpm"] are motions, record["piv"] the vectors.
 
@@ -81,6 +89,11 @@ class Record:
     def energy(self) -> dict[str, np.ndarray]:
         """Columns against `time`, J per metre of thickness; empty without a simulation."""
         return self._core.energy
+
+    @property
+    def remarks(self) -> list[Remark]:
+        """What the run said of itself, and what its data say: lost steps, flagged particles, results that are not usable."""
+        return [Remark(text, ("note", "doubt", "unusable")[weight], name) for text, weight, name in self._core.remarks()]
 
     @property
     def comparison(self) -> Optional[Comparison]:

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "apps/study/pipeline/record/opened_motion.hpp"
+#include "apps/study/pipeline/record/remarks.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/fields.hpp"
@@ -313,6 +314,13 @@ void bind_motions(py::module_& m) {
                                if (!found) return py::none();
                                return in_python(*found);
                              })
+      .def("remarks",
+           [](const Record& r) {
+             py::list out;
+             for (const Remark& remark : r.read([](const auto& reader) { return app::remarks_of(reader); }))
+               out.append(py::make_tuple(remark.text, int(remark.weight), remark.id));
+             return out;
+           })
       .def("frames",
            [](const Record& r) {
              py::list names, times, flags;

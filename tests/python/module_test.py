@@ -136,6 +136,14 @@ class Module(unittest.TestCase):
         solver.advance_to(0.03)
         self.same(again.frame["u"], solver.frame["u"])
 
+    def test_remarks_are_those_of_the_program(self):
+        done = subprocess.run([os.environ.get("PIVNP_PROGRAM", "pivnp"), "report", str(self.record.file), "--out", str(self.folder / "again")],
+                              capture_output=True, text=True, env=dict(os.environ, QT_QPA_PLATFORM="offscreen"))
+        remarks = self.record.remarks
+        self.assertTrue(remarks)
+        for remark in remarks:
+            self.assertIn({"note": "note: ", "doubt": "warning: ", "unusable": "warning: "}[remark.weight] + remark.text + "\n", done.stdout)
+
     def test_comparisons_have_the_program_s_bits(self):
         expected = self.record.comparison
         for first, second in ((self.record["np"], self.record["mpm"]), (f"{self.record.file}:np", f"{self.record.file}:mpm")):

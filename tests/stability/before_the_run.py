@@ -153,6 +153,19 @@ for environment, brief in (({}, True), ({"OMP_WAIT_POLICY": "active"}, False)):
     if run.returncode != 0 or seen != brief:
         faults.append(f"waiting threads, {environment}: exit {run.returncode}, GOMP_SPINCOUNT set: {seen}")
 
+# Standard descriptors that are closed: what is meant for them goes into no file of the run. Results that cannot be printed: exit 1.
+(there / "column.toml").write_text(COLUMN)
+for closed in ((2,), (1, 2), (0, 1, 2)):
+    def close(descriptors=closed):
+        for descriptor in descriptors:
+            os.close(descriptor)
+    out = there / ("closed" + "".join(map(str, closed)))
+    done = subprocess.run([program, "simulate", str(there / "column.toml"), "--out", str(out), "--no-report"],
+                          env=dict(os.environ, QT_QPA_PLATFORM="offscreen"), preexec_fn=close, timeout=120)
+    written = [path.name for path in out.rglob("*") if path.is_file() and b"simulation" in path.read_bytes() and path.suffix != ".h5"]
+    if not (out / "record.h5").is_file() or written or done.returncode != (1 in closed):
+        faults.append(f"closed descriptors {closed}: exit {done.returncode}, found output in {written}")
+
 # Called by the loader, as bundles with a C library of their own do.
 loader = [line.split()[0] for line in subprocess.run(["ldd", program], capture_output=True, text=True).stdout.splitlines() if "/ld-" in line]
 done = subprocess.run([*loader[:1], program, "check", str(there)], capture_output=True, text=True,

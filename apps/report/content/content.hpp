@@ -17,6 +17,7 @@
 #include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/reactions.hpp"
+#include "pivnp/core/record/remark.hpp"
 #include "pivnp/core/record/frames.hpp"
 #include "pivnp/core/record/stage_cost.hpp"
 #include "pivnp/core/record/strain_note.hpp"
@@ -68,7 +69,7 @@ struct Content {
   double mobilised = 0;                    // displacement above which material counts as mobilised; 0: not known
   std::vector<Run> runs;             // the record's own first; empty: no others were asked for
   RunCost cost;                      // time and memory of the run's stages
-  std::vector<std::string> remarks;  // what was flagged and why, one sentence each
+  std::vector<Remark> remarks;       // what the run and its data say: doubts are flags
   std::vector<std::string> notes;    // how the comparison was made, likewise
 };
 

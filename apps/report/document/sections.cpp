@@ -68,7 +68,7 @@ void simulation_section(Builder& b, const FigureInput& input) {
 
 void flags_section(Builder& b, const FigureInput& input) {
   b.heading(1, "What was flagged");
-  const std::vector<std::string> list = flags(input.content, input.names, input.pairs);
+  const std::vector<std::string> list = flags(input.content);
   if (list.empty())
     b.paragraph("Nothing was flagged: no limit exceeded, no step, no shortage of valid vectors, no particle that ended early.");
   else b.add(List{list});
@@ -103,6 +103,8 @@ void appendix(Builder& b, const Content& content) {
   if (!content.command.empty()) b.add(Code{content.command});
   Definitions more;
   more.items.emplace_back("Programs", versions(content.written_by) + " The report is of " + utc_now() + ".");
+  for (const Remark& remark : content.remarks)
+    if (remark.weight == RemarkWeight::note) more.items.emplace_back("Run", remark.text);
   for (const std::string& note : content.notes) more.items.emplace_back("Comparison", note);
   more.items.emplace_back("How to cite", "pivnp " + program_version() +
                                              ": from lab video to verdict by PIV, numerical particles, MPM and comparison. Free "
@@ -134,6 +136,8 @@ Document make_document(const ReportOptions& options, const Content& content) {
   b.document.title = options.title.empty() ? content.name : options.title;
   if (b.document.title.empty()) b.document.title = "Report";
   b.document.subtitle = subtitle(content, input.names);
+  for (const Remark& remark : content.remarks)
+    if (remark.weight == RemarkWeight::unusable) b.paragraph(remark.text, true);
   b.paragraph(verdict(content, input.names, input.pairs, input.differences), true);
   b.add(draw_section(Section::summary, input));
   if (auto table = summary_table(content, input.names)) b.add(std::move(*table));

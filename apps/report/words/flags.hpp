@@ -5,13 +5,11 @@
 #include <vector>
 
 #include "apps/report/content/content.hpp"
-#include "apps/report/content/quality.hpp"
-#include "apps/report/words/data_sets.hpp"
 
 namespace pivnp::report {
 
-/// Remarks of the run, then what the data show: flagged steps, pairs short of valid vectors, particles that ended. One
-/// sentence each; empty if nothing was flagged.
-std::vector<std::string> flags(const Content& content, const DataSetNames& names, const std::vector<PairQuality>& pairs);
+/// Limits that are exceeded, then the remarks that are more than notes: what is not usable first. Empty if nothing was
+/// flagged.
+std::vector<std::string> flags(const Content& content);
 
 }  // namespace pivnp::report

@@ -80,8 +80,8 @@ refine = 2
 }
 
 // The case's nodes, and its own words for others.
-GivenSpacing spacing_of(const Case& c, const Setting& setting) {
-  GivenSpacing given{.px = node_spacing_px(setting)};
+SpacingKey spacing_of(const Case& c, const Setting& setting) {
+  SpacingKey given{.px = node_spacing_px(setting)};
   if (!c.grid.spacing_m) return given;
   const double m = *c.grid.spacing_m / given.px;
   given.key = [m](double px) { return "grid.spacing_m=" + number(m * px, 4); };

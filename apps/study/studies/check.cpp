@@ -8,6 +8,7 @@
 
 #include "apps/report/figures/check_figure.hpp"
 #include "apps/study/methods/frames/camera_motion.hpp"
+#include "apps/study/methods/frames/exposure.hpp"
 #include "apps/study/methods/frames/filters.hpp"
 #include "apps/study/methods/frames/peak_locking.hpp"
 #include "apps/study/methods/frames/stride.hpp"
@@ -90,12 +91,13 @@ double simulation_seconds(mpm::Solver& solver, const CaseSize& size, double end_
 
 // The first pair, one in the middle and the last.
 std::vector<VectorField> three_pairs(const Case& c, const Setting& setting, image::FrameSource& source, int threads, double& seconds) {
-  const int last = int(source.frames().size()) - 2;
+  const int last = int(pairs_among(c, source.frames().size())) - 1, apart = in_twos(c) ? 2 : 1;
   std::vector<VectorField> out;
   for (const int k : {0, last / 2, last}) {
-    if (!out.empty() && k <= out.back().pair[0]) continue;
+    const int first = k * apart;
+    if (!out.empty() && first <= out.back().pair[0]) continue;
     const auto start = std::chrono::steady_clock::now();
-    out.push_back(measure_pair(c, setting, source, {k, k + 1}, threads));
+    out.push_back(measure_pair(c, setting, source, {first, first + 1}, threads));
     if (out.size() == 1) seconds = seconds_since(start);
   }
   return out;
@@ -122,11 +124,16 @@ std::vector<std::string> rate_remarks(const Case& c, const Setting& setting, con
     most = std::max(most, moved[moved.size() * 95 / 100]);
     middle = std::max(middle, moved[moved.size() / 2]);
   }
-  if (valid == 0) return {"No vector could be measured in the material between the frames that were tried: is there texture, and does the region lie on it?"};
-  const double window = c.piv.value_or(piv::PivOptions{}).window_px, quarter = window / 4;
+  const piv::PivOptions given = c.piv.value_or(piv::PivOptions{});
+  const int first_window = given.first_window_px > 0 ? given.first_window_px : std::min({4 * given.window_px, setting.width, setting.height});
+  if (double(valid) < 0.01 * double(asked) || valid == 0)
+    return {"Hardly a vector could be measured in the material between the frames that were tried: is there texture, does the region lie on it, and does the "
+            "material move by less than " + number(first_window / 4.0, 3) + " px a step, a quarter of the first window (piv.first_window_px)?"};
+  const double window = given.window_px, quarter = window / 4;
   std::string text = "Motion in a step, in " + std::to_string(pairs.size()) + (pairs.size() == 1 ? " pair" : " pairs") + " tried: " +
                      number(middle, 2) + " px in the median, " + number(most, 2) + " px at the 95th percentile; " +
                      number(100 * double(valid) / double(asked), 3) + " % of the vectors in the material are valid. ";
+  if (in_twos(c)) return {text};
   const auto at = [&](double factor) { return rate_hz > 0 ? " (" + number(rate_hz * factor, 3) + " frames a second)" : std::string(); };
   if (most > window)
     text += "That is more than a window: " + number(most / quarter, 2) + " times as many frames" + at(most / quarter) + " would hold it to a quarter of one.";
@@ -181,15 +188,6 @@ std::vector<std::string> check_filters(const Case& c, Setting& setting, image::F
   setting.filter.reset();
   if (own.any()) setting.filter = std::make_shared<const image::FrameFilter>(filter_of(own, source));
   return words;
-}
-
-// A frame's mask with what is left out beside the regions.
-image::Mask with_regions(image::Mask mask, const Setting& setting, const RegionsInFrame& seen) {
-  if (seen.material.empty()) return mask;
-  image::Mask material(setting.width, setting.height);
-  for (int r = 0; r < setting.height; ++r)
-    std::copy_n(seen.material.begin() + std::ptrdiff_t(r) * setting.width, setting.width, material.row(r));
-  return mask.empty() ? material : image::both(mask, material);
 }
 
 // The regions where they have gone, and everything else of `outlines`.
@@ -259,8 +257,8 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     filters = check_filters(c, setting, *source, settings, progress);
     double one = 0;
     tried = three_pairs(c, setting, *source, settings.threads, one);
-    if (!draws) regions = regions_along_frames(c, setting, *source, settings.threads, progress);
-    seconds += one * double(frames - 1);
+    if (!draws && !in_twos(c)) regions = regions_along_frames(c, setting, *source, settings.threads, progress);
+    seconds += one * double(pairs_among(c, frames));
   }
   if (measures && c.mpm) check_compared_zones(c, setting);
   CheckOutcome outcome{{}, {text_of(size)}};
@@ -279,7 +277,6 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
   if (source) {
     first = source->read(0);
     image::Mask mask = mask_of(setting, 0, first.view());
-    if (!regions.seen.empty()) mask = with_regions(std::move(mask), setting, regions.seen.front());
     drawn_mask = image::drawn_mask(mask, setting.camera);
     drawn_first = image::drawn_frame(source->read(0), setting.camera);
     input.image = drawn_first.image.view();
@@ -310,7 +307,6 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
       Image frame = source->read(k);
       image::Mask mask = mask_of(setting, k, frame.view());
       const RegionsInFrame* seen = followed ? &regions.seen[k == regions.seen[1].frame ? 1 : 2] : nullptr;
-      if (seen != nullptr) mask = with_regions(std::move(mask), setting, *seen);
       const image::Mask there = image::drawn_mask(mask, setting.camera);
       const image::DrawnFrame drawn_then = image::drawn_frame(std::move(frame), setting.camera);
       report::CheckInput then = input;
@@ -324,10 +320,10 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
                                                             : "The masks and the regions, moved with their material, are") +
                               " also drawn on the frame in the middle and on the last one: check_middle.png, check_last.png.");
   }
-  for (std::string& remark : regions.remarks) outcome.remarks.push_back(std::move(remark));
+  for (Remark& remark : regions.remarks) outcome.remarks.push_back(std::move(remark.text));
   if (!tried.empty())
-    for (std::string& remark : shutter_remarks(c, setting, listed, tried.size(), [&](std::size_t k) { return tried[k]; }))
-      outcome.remarks.push_back(std::move(remark));
+    for (Remark& remark : shutter_remarks(c, setting, listed, tried.size(), [&](std::size_t k) { return tried[k]; }))
+      outcome.remarks.push_back(std::move(remark.text));
   if (!tried.empty())
     for (std::string& remark : rate_remarks(c, setting, tried, c.frames && c.frames->rate_hz ? *c.frames->rate_hz : 0)) outcome.remarks.push_back(std::move(remark));
   for (std::string& remark : filters) outcome.remarks.push_back(std::move(remark));
@@ -339,11 +335,15 @@ CheckOutcome checked(const Case& given, const RunSettings& settings, Progress& p
     for (std::string& remark : interlace_remarks(setting, source->read(some.pair[0]), some))
       outcome.remarks.push_back(std::move(remark));
   }
+  const auto tell = [&](std::vector<std::string> texts) {
+    for (std::string& text : texts) outcome.remarks.push_back(std::move(text));
+  };
   if (source && !draws)
-    for (std::string& remark : source->remarks()) outcome.remarks.push_back(std::move(remark));
-  if (source && !vectors)
-    for (std::string& remark : texture_remarks(setting, first, file_of_first(*source)))
-      outcome.remarks.push_back(std::move(remark));
+    for (const Remark& remark : source->remarks()) tell({remark.text});
+  if (source && !vectors) {
+    tell(exposure_remarks(setting, first));
+    tell(texture_remarks(setting, first, file_of_first(*source)));
+  }
   return outcome;
 }
 

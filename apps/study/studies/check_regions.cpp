@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "apps/study/pipeline/measure/moving_regions.hpp"
-#include "apps/study/pipeline/measure/outside_evidence.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/piv/piv.hpp"
 
@@ -13,16 +12,6 @@ namespace pivnp::app {
 namespace {
 
 constexpr double most_pixels = 4e8;  // some fifteen seconds of one core
-
-// By the pair that ends at the frame, looked at backwards: of the last frame there is no other.
-RegionsInFrame in_frame(int frame, const ImageView& before, const ImageView& now, const Setting& setting, int window_px,
-                        std::vector<MovingOutline> outlines) {
-  for (MovingOutline& outline : outlines)
-    for (OutlinePoint& p : outline.points) p.moved = -p.moved;
-  const auto inside = inside_outlines(outlines, setting.camera_at(frame), setting.width, setting.height);
-  auto material = judge_outside(inside, setting, {frame, frame - 1}, now, before, window_px, outlines);
-  return {frame, std::move(outlines), std::move(material)};
-}
 
 }  // namespace
 
@@ -52,22 +41,18 @@ RegionsAlongFrames regions_along_frames(const Case& c, const Setting& setting, i
     regions.look(k, before.view(), after.view());
     VectorField field = measured();
     if (regions.revise(field, before.view(), after.view())) field = measured();
-    if (k == 0) {
-      const MaskView there = regions.mask();
-      const std::size_t bytes = there.data != nullptr ? std::size_t(setting.width) * std::size_t(setting.height) : 0;
-      out.seen.push_back({0, regions.outlines(), {there.data, there.data + bytes}});
-    }
+    if (k == 0) out.seen.push_back({0, regions.outlines()});
     regions.carry(field);
     if (!regions.any()) break;
     if (k + 1 == std::max(1, last / 2) || k + 1 == last)
-      out.seen.push_back(in_frame(k + 1, before.view(), after.view(), setting, options.window_px, regions.outlines()));
+      out.seen.push_back({k + 1, regions.outlines()});
     mask_before = std::move(mask_after);
     before = std::move(after);
     progress.update("regions", k + 1, last);
   }
   out.remarks = regions.remarks();
   if (last < frames - 1)
-    out.remarks.push_back("The regions were followed as far as " + source.frames()[std::size_t(last)].name + ", by `fast`; a run follows them to the end.");
+    out.remarks.push_back({"The regions were followed as far as " + source.frames()[std::size_t(last)].name + ", by `fast`; a run follows them to the end."});
   return out;
 }
 

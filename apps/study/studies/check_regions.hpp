@@ -1,27 +1,25 @@
 // Where the regions of a case go along its frames, for the pictures of a check.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "apps/study/pipeline/measure/moving_outline.hpp"
 #include "apps/study/pipeline/scene/scene.hpp"
 #include "pivnp/core/progress.hpp"
+#include "pivnp/core/record/remark.hpp"
 #include "pivnp/image/frames/frames.hpp"
 
 namespace pivnp::app {
 
-/// The outlines in a frame, and what of it may be material, one byte a pixel (empty: all).
 struct RegionsInFrame {
   int frame = 0;
   std::vector<MovingOutline> outlines;
-  std::vector<std::uint8_t> material;
 };
 
 struct RegionsAlongFrames {
   std::vector<RegionsInFrame> seen;  // the first frame, one in the middle, the last one; empty where regions are not followed
-  std::vector<std::string> remarks;
+  std::vector<Remark> remarks;
 };
 
 /// Follows the regions by the method `fast`, as a run follows them by its own (MovingRegions), through as many frames as some

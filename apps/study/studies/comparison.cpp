@@ -25,10 +25,7 @@ RunOutcome finish_comparison(const Case& c, Comparison comparison, io::RecordWri
   outcome.limits = comparison.limits;
   outcome.record = settings.out / "record.h5";
   outcome.metrics = comparison.metrics;
-  if (settings.report)
-    write_report_of(c, outcome, std::move(comparison), nullptr, settings.out);
-  else
-    outcome.remarks = std::move(comparison.remarks);
+  tell_record(c, outcome, std::move(comparison), nullptr, settings.out, settings.report);
   return outcome;
 }
 

@@ -5,6 +5,7 @@
 
 #include "apps/study/pipeline/record/opened_motion.hpp"
 #include "apps/study/pipeline/record/outcome.hpp"
+#include "apps/study/pipeline/record/remarks.hpp"
 #include "apps/study/pipeline/record/report_input.hpp"
 #include "apps/study/studies/histories.hpp"
 #include "compare/metrics/limits.hpp"
@@ -87,10 +88,11 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
     c = parse_recorded_case(record.head().case_text, file.string() + " (its case)", file.parent_path());
     if (change) change(c.report);
     // A reader of the report need not know how keys were called when it was run: one line for all.
-    if (c.notes.size() == 1) outcome.remarks.push_back("Of the record's case: " + c.notes[0] + ".");
+    if (c.notes.size() == 1) append({"Of the record's case: " + c.notes[0] + "."}, outcome.remarks);
     else if (!c.notes.empty())
-      outcome.remarks.push_back("The record's case has " + std::to_string(c.notes.size()) +
-                                " keys under former names, which were read as the keys that replace them.");
+      append({"The record's case has " + std::to_string(c.notes.size()) +
+              " keys under former names, which were read as the keys that replace them."},
+             outcome.remarks);
     if (settings.frames) {
       if (!c.frames) c.frames = image::FrameOptions{};
       c.frames->path = fs::absolute(*settings.frames).string();
@@ -100,13 +102,14 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
         source = image::open_frames(*c.frames, c.folder);
         if (!same_names(source->frames(), record.frames())) {
           source.reset();
-          outcome.remarks.push_back("The frames at " + c.frames->path +
-                                    " are not those that were measured: vectors are drawn without a picture; --frames "
-                                    "names their place.");
+          append({"The frames at " + c.frames->path +
+                  " are not those that were measured: vectors are drawn without a picture; --frames names their place."},
+                 outcome.remarks);
         }
       } catch (const InputError&) {
-        outcome.remarks.push_back("The frames are not where the record says (" + c.frames->path +
-                                  "): vectors are drawn without a picture; --frames names their new place.");
+        append({"The frames are not where the record says (" + c.frames->path +
+                "): vectors are drawn without a picture; --frames names their new place."},
+               outcome.remarks);
       }
     }
     if (auto held = record.comparison()) {
@@ -127,7 +130,7 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
     }
   }
   const fs::path directory = settings.out.empty() ? file.parent_path() : settings.out;
-  write_report_of(c, outcome, std::move(comparison), source.get(), directory);
+  tell_record(c, outcome, std::move(comparison), source.get(), directory, true);
   return outcome;
 }
 

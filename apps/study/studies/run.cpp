@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/study/methods/frames/camera_motion.hpp"
+#include "apps/study/methods/frames/exposure.hpp"
 #include "apps/study/methods/frames/filters.hpp"
 #include "apps/study/methods/frames/fixed_pattern.hpp"
 #include "apps/study/methods/frames/peak_locking.hpp"
@@ -20,6 +21,7 @@
 #include "apps/study/pipeline/measure/shutter.hpp"
 #include "apps/study/pipeline/record/outcome.hpp"
 #include "apps/study/pipeline/record/record_head.hpp"
+#include "apps/study/pipeline/record/remarks.hpp"
 #include "apps/study/pipeline/record/report_input.hpp"
 #include "apps/study/pipeline/record/sources.hpp"
 #include "apps/study/pipeline/record/stage_clock.hpp"
@@ -51,10 +53,6 @@ std::vector<double> output_times(const Case& c, const std::vector<Frame>& frames
   return times;
 }
 
-void append(std::vector<std::string> more, std::vector<std::string>& remarks) {
-  for (std::string& remark : more) remarks.push_back(std::move(remark));
-}
-
 // One run of a case: what its stages share, and the stages in their order.
 class Run {
  public:
@@ -62,7 +60,8 @@ class Run {
       : settings_(settings), progress_(progress), c_(given) {
     progress_.begin("frames");
     measures = stages != Stages::simulate && (c_.frames || c_.vectors || c_.synth || settings.frames);
-    tracks = measures && stages != Stages::piv;
+    tracks = measures && stages != Stages::piv && !in_twos(c_);
+    if (in_twos(c_)) require_alone(stages);
     simulates = c_.mpm && (stages == Stages::all || stages == Stages::simulate);
     if (!measures && !simulates)
       throw InputError(of_file(c_) + ": there is nothing to do, as there are neither frames nor [mpm]");
@@ -89,9 +88,10 @@ class Run {
 
   void measure_vectors() {
     progress_.begin("vectors");
-    progress_.expect("PIV", double(frames_.size() - 1));
+    progress_.expect("PIV", double(pairs_among(c_, frames_.size())));
     FrameLooks looks(frames_.size());
-    std::vector<std::string> filters, regions;
+    std::vector<std::string> filters;
+    std::vector<Remark> regions;
     if (!vectors_) {
       follow_camera();
       filters = set_filter(c_, *source_, settings_.threads, progress_, setting_);
@@ -104,33 +104,37 @@ class Run {
     frames_ = flagged_frames(std::move(frames_), *writer_,
                              vectors_ ? std::vector<FrameLook>{} : all_looks(*source_, looks));
     writer_->set_frames(frames_);
-    outcome_.remarks = vectors_ ? remarks_on_import(*vectors_, c_)
-                                : texture_remarks(setting_, source_->read(0), file_of_first(*source_));
-    if (!vectors_) append(source_->remarks(), outcome_.remarks);
+    const auto pair = [&](std::size_t k) { return writer_->pair(k); };
+    const std::size_t pairs = pairs_among(c_, frames_.size()), middle = (pairs - 1) / 2;
+    const bool follow_each_other = !in_twos(c_);
+    if (vectors_) note(remarks_on_import(*vectors_, c_));
     if (!vectors_) {
-      const std::size_t middle = (frames_.size() - 2) / 2;
-      append(interlace_remarks(setting_, source_->read(int(middle)), writer_->pair(middle)), outcome_.remarks);
+      const Image first = source_->read(0);
+      add(source_->remarks());
+      doubt(exposure_remarks(setting_, first));
+      doubt(texture_remarks(setting_, first, file_of_first(*source_)));
+      const VectorField some = pair(middle);
+      doubt(interlace_remarks(setting_, source_->read(some.pair[0]), some));
     }
-    append(doubts_of_scale(c_), outcome_.remarks);
-    if (setting_.width > 0)
-      append(fraction_remarks(setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }),
-             outcome_.remarks);
-    append(std::move(filters), outcome_.remarks);
-    append(std::move(regions), outcome_.remarks);
-    if (!vectors_) append(pattern_remarks(setting_, *source_, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);
-    append(strided_, outcome_.remarks);
-    append(camera_motion_remarks(c_, setting_.camera_motion, frames_), outcome_.remarks);
-    append(still_zone_remarks(c_, setting_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);
-    if (!vectors_)
-      append(shutter_remarks(c_, setting_, frames_, frames_.size() - 1, [&](std::size_t k) { return writer_->pair(k); }), outcome_.remarks);
+    doubt(doubts_of_scale(c_));
+    if (setting_.width > 0) doubt(fraction_remarks(setting_, pairs, pair));
+    note(std::move(filters));
+    add(std::move(regions));
+    if (!vectors_ && follow_each_other) doubt(pattern_remarks(setting_, *source_, pair));
+    note(strided_);
+    add(camera_motion_remarks(c_, setting_.camera_motion, frames_));
+    if (follow_each_other) doubt(still_zone_remarks(c_, setting_, pairs, pair));
+    if (!vectors_) add(shutter_remarks(c_, setting_, frames_, pairs, pair));
     progress_.begin("closure");
     if (vectors_)
       closure_.verdict = "not checked: the vectors are another program's";
+    else if (!follow_each_other)
+      closure_.verdict = "not checked: the pairs do not follow each other";
     else
       closure_ = check_closure(
           c_, setting_, *source_, [&](int k) { return writer_->pair(std::size_t(k)); }, settings_.threads, progress_);
     writer_->set_closure(closure_);
-    append(closure_remarks(closure_, setting_), outcome_.remarks);
+    doubt(closure_remarks(closure_, setting_));
   }
 
   void follow_particles() {
@@ -142,7 +146,7 @@ class Run {
   void simulate_motion() {
     progress_.begin("simulation");
     progress_.expect("simulation", size_.steps);
-    append(simulate(c_, setting_, output_times(c_, frames_), *writer_, settings_.threads, progress_), outcome_.remarks);
+    add(simulate(c_, setting_, output_times(c_, frames_), *writer_, settings_.threads, progress_));
     if (tracks && c_.compare.mesh_study > 0) progress_.begin("mesh_study");
     for (int level = 1; tracks && level <= c_.compare.mesh_study; ++level) try {
         simulate_coarser(c_, setting_, level, output_times(c_, frames_), *writer_, settings_.threads, progress_);
@@ -150,7 +154,7 @@ class Run {
       } catch (const Interrupted&) {
         throw;
       } catch (const std::exception& error) {
-        outcome_.remarks.push_back("The mesh study ended at grid " + std::to_string(level) + ": " + error.what() + ".");
+        doubt({"The mesh study ended at grid " + std::to_string(level) + ": " + error.what() + "."});
         break;
       }
   }
@@ -187,22 +191,21 @@ class Run {
       outcome_.limits = comparison_->limits;
     } catch (const InputError& error) {
       not_compared_ = error.what();
-      outcome_.remarks.push_back("Measurement and simulation were not compared: " + not_compared_ + ".");
+      doubt({"Measurement and simulation were not compared: " + not_compared_ + "."});
     }
   }
 
   RunOutcome finish() {
     progress_.end();
     writer_->set_cost(progress_.cost());
+    note(remarks_on_tracking(tracked_, frames_));
+    writer_->set_remarks(outcome_.remarks);
     writer_->finish();
     progress_.begin("report");
     outcome_.record = settings_.out / "record.h5";
-    append(remarks_on_tracking(tracked_, frames_), outcome_.remarks);
+    outcome_.remarks.clear();  // the record has them
     if (comparison_) outcome_.metrics = comparison_->metrics;
-    if (settings_.report)
-      write_report_of(c_, outcome_, std::move(comparison_), source_.get(), settings_.out);
-    else
-      finish_without_report();
+    tell_record(c_, outcome_, std::move(comparison_), source_.get(), settings_.out, settings_.report);
     progress_.end();
     outcome_.cost = progress_.cost();
     if (!not_compared_.empty())
@@ -212,12 +215,22 @@ class Run {
   }
 
  private:
-  void finish_without_report() {
-    if (comparison_) append(std::move(comparison_->remarks), outcome_.remarks);
-    const io::RecordReader record(outcome_.record, io::Trust::known);
-    for (const std::string& name : record.motion_names()) append(remarks_on_heat(*record.motion(name)), outcome_.remarks);
-    if (c_.mpm) append(remarks_on_energy(record.energy(), c_.mpm->damping.value_or(0) > 0), outcome_.remarks);
+  // Pairs of exposures: from one to the next no motion is known.
+  void require_alone(Stages stages) {
+    const std::string twos = "frames.pairs: found \"double\", ";
+    if (stages == Stages::track)
+      throw InputError(twos + "but from one pair to the next no motion is known that particles could follow; expected the command piv");
+    if (c_.piv && c_.piv->ensemble > 1) throw InputError(twos + "expected \"sequence\" for piv.ensemble");
+    if (c_.vectors) throw InputError(twos + "expected \"sequence\" for imported vectors");
+    if (stages == Stages::all && measures)
+      note({"The frames are pairs of exposures (frames.pairs): no particles were followed, as from one pair to the next no motion is known."});
   }
+
+  void add(std::vector<Remark> remarks) {
+    for (Remark& remark : remarks) outcome_.remarks.push_back(std::move(remark));
+  }
+  void note(std::vector<std::string> texts) { append(std::move(texts), outcome_.remarks); }
+  void doubt(std::vector<std::string> texts) { append(std::move(texts), outcome_.remarks, RemarkWeight::doubt); }
 
   void follow_camera() {
     follow_masks(c_, setting_, *source_, settings_.threads, progress_);

@@ -227,8 +227,8 @@ FrameFiles files_of_glob(const fs::path& base, const std::string& pattern, const
   });
   FrameFiles out = in_order(std::move(found));
   if (others > 0)
-    out.remarks.push_back(std::to_string(others) + " of " + std::to_string(out.files.size()) + " names end in other letters than " +
-                          given.filename().string() + " (small for capital ones); they were taken too.");
+    out.remarks.push_back({std::to_string(others) + " of " + std::to_string(out.files.size()) + " names end in other letters than " +
+                          given.filename().string() + " (small for capital ones); they were taken too."});
   return out;
 }
 

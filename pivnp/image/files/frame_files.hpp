@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "pivnp/core/record/remark.hpp"
+
 namespace pivnp::image {
 
 /// Natural order: runs of digits compare as numbers (img_2 before img_10), everything else byte by byte. Names that
@@ -22,7 +24,7 @@ struct FrameFiles {
   };
   std::vector<File> files;           // increasing number, at least one
   std::vector<double> clock = {};    // of each, steps between frames since the first; empty: the numbers
-  std::vector<std::string> remarks = {};  // what the names leave open, one sentence each
+  std::vector<Remark> remarks = {};  // what the names leave open
 
   /// Original frames, those that are missing in between included.
   std::int64_t count() const { return files.back().number - files.front().number + 1; }

@@ -203,17 +203,18 @@ void keep_gaps(const std::vector<const Name*>& names, TimeOrder& order) {
   for (std::size_t k = 0; k < steps.size(); ++k)
     even = even && steps[k] % usual == 0 && !turns_over((*values)[k], steps[k], usual);
   if (!even) {
-    order.remarks.push_back("The numbers in the names of the frames do not step evenly (" + names.front()->text + " ... " +
-                            names.back()->text + "): the frames are taken as evenly spaced in time.");
+    order.remarks.push_back({"The numbers in the names of the frames do not step evenly (" + names.front()->text + " ... " +
+                            names.back()->text + "): the frames are taken as evenly spaced in time.",
+                             RemarkWeight::doubt});
     return;
   }
   for (std::size_t k = 0; k < values->size(); ++k) order.clock[k] = double((*values)[k] - values->front()) / double(usual);
   const std::size_t first = std::size_t(std::find_if(steps.begin(), steps.end(), [&](auto s) { return s != usual; }) - steps.begin());
   const std::size_t gaps = steps.size() - std::size_t(as_usual);
-  order.remarks.push_back("The numbers in the names of the frames skip " +
+  order.remarks.push_back({"The numbers in the names of the frames skip " +
                           (gaps == 1 ? std::string("once") : std::to_string(gaps) + " times, first") + " between " +
                           names[first]->text + " and " + names[first + 1]->text +
-                          ": the time of the missing frames is kept.");
+                          ": the time of the missing frames is kept."});
 }
 
 }  // namespace
@@ -254,13 +255,14 @@ TimeOrder in_time_order(std::vector<fs::path> files) {
     in_order.push_back(&names[k]);
   }
   if (taken != natural)
-    order.remarks.push_back("The frames are in the order of the numbers in their names, with their signs and decimals: " +
-                            in_order[0]->text + ", " + in_order[1]->text + " ... " + in_order.back()->text + ".");
+    order.remarks.push_back({"The frames are in the order of the numbers in their names, with their signs and decimals: " +
+                            in_order[0]->text + ", " + in_order[1]->text + " ... " + in_order.back()->text + "."});
   else if (patterns.size() > 1)
-    order.remarks.push_back("The names of the frames are of " + std::to_string(patterns.size()) + " patterns ('" +
+    order.remarks.push_back({"The names of the frames are of " + std::to_string(patterns.size()) + " patterns ('" +
                             patterns.begin()->first + "' and '" + std::next(patterns.begin())->first +
                             "', # a number): the frames are taken in the order of their names, " + in_order[0]->text +
-                            " ... " + in_order.back()->text + ".");
+                            " ... " + in_order.back()->text + ".",
+                             RemarkWeight::doubt});
   keep_gaps(in_order, order);
   return order;
 }

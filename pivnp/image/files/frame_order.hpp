@@ -5,14 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "pivnp/core/record/remark.hpp"
+
 namespace pivnp::image {
 
 struct TimeOrder {
   std::vector<std::filesystem::path> files;
   /// When each was taken, in steps between frames; 0, 1, 2 ... but where the numbers skip.
   std::vector<double> clock;
-  /// What the names leave open, and how they were read; one sentence each.
-  std::vector<std::string> remarks;
+  /// What the names leave open, and how they were read.
+  std::vector<Remark> remarks;
 };
 
 /// By the numbers in the names, the folders' names first. A minus sign counts where the names of one pattern have it in

@@ -15,6 +15,18 @@ namespace {
 
 const std::string path_key = "frames.path";
 
+void check_twos(const FrameOptions& options) {
+  const std::string found = "found together with frames.pairs = \"double\", whose pairs are fixed; expected ";
+  if (options.stride != 1) throw InputError("frames.stride: " + found + "1");
+  if (options.least_motion_px > 0) throw InputError("frames.least_motion_px: " + found + "0");
+  if (options.times == FrameTimes::stamps) throw InputError("frames.times: " + found + "\"even\"");
+  if (options.rate_hz.has_value() != options.pair_time_s.has_value())
+    throw InputError(std::string(options.rate_hz ? "frames.pair_time_s" : "frames.rate_hz") +
+                     ": missing; with frames.pairs = \"double\" expected both rate_hz, pairs a second, and pair_time_s, between a pair's exposures");
+  if (options.rate_hz && !(*options.pair_time_s > 0 && *options.pair_time_s * *options.rate_hz < 1))
+    throw InputError("frames.pair_time_s: found " + std::to_string(*options.pair_time_s) + " s, expected more than 0 and less than 1/rate_hz, the time between pairs");
+}
+
 void check_options(const FrameOptions& options) {
   if (options.path.empty())
     throw InputError(path_key + ": nothing given; expected a glob, a printf pattern, a folder or a video file");
@@ -26,6 +38,8 @@ void check_options(const FrameOptions& options) {
     throw InputError("frames.first: found " + std::to_string(options.first) + ", expected 0 or more");
   if (options.stride < 1)
     throw InputError("frames.stride: found " + std::to_string(options.stride) + ", expected 1 or more");
+  if (options.pairs == FramePairs::twos) check_twos(options);
+  else if (options.pair_time_s) throw InputError("frames.pair_time_s: given, but frames.pairs is not \"double\"");
   if (options.last && *options.last < options.first)
     throw InputError("frames.last: found " + std::to_string(*options.last) + ", expected frames.first (" +
                      std::to_string(options.first) + ") or more");
@@ -53,7 +67,17 @@ std::vector<int> chosen_frames(const FrameOptions& options, std::int64_t count, 
   const int last = options.last.value_or(int(count) - 1);
   std::vector<int> out;
   for (std::int64_t k = options.first; k <= last; k += options.stride) out.push_back(int(k));
+  if (options.pairs == FramePairs::twos && out.size() % 2 != 0)
+    throw InputError("frames.pairs: found " + std::to_string(out.size()) + " frames in '" + path +
+                     "', expected an even number, two exposures a pair (\"double\")");
   return out;
+}
+
+double frame_time(const FrameOptions& options, double rate_hz, std::size_t index, double steps) {
+  if (!(rate_hz > 0)) return steps;
+  if (options.pairs == FramePairs::sequence) return steps / rate_hz;
+  const bool second = index % 2 != 0;
+  return 0.5 * (steps - double(second)) / rate_hz + (second ? *options.pair_time_s : 0.0);
 }
 
 std::unique_ptr<FrameSource> open_frames(const FrameOptions& options, const fs::path& base) {

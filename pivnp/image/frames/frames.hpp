@@ -12,6 +12,7 @@
 #include "pivnp/core/image_view.hpp"
 #include "pivnp/core/options.hpp"
 #include "pivnp/core/record/frames.hpp"
+#include "pivnp/core/record/remark.hpp"
 
 namespace pivnp::image {
 
@@ -21,10 +22,18 @@ inline constexpr std::array frame_times_names{NamedValue{"even", FrameTimes::eve
                                               NamedValue{"stamps", FrameTimes::stamps}};
 constexpr const auto& names_of(FrameTimes) { return frame_times_names; }
 
+/// Which frames make a pair: each with the next, or two and two, the exposures of a double-frame camera.
+enum class FramePairs { sequence, twos };
+inline constexpr std::array frame_pairs_names{NamedValue{"sequence", FramePairs::sequence},
+                                              NamedValue{"double", FramePairs::twos}};
+constexpr const auto& names_of(FramePairs) { return frame_pairs_names; }
+
 struct FrameOptions {
   std::string path = {};
   std::optional<double> rate_hz = {};
   FrameTimes times = FrameTimes::even;
+  FramePairs pairs = FramePairs::sequence;
+  std::optional<double> pair_time_s = {};
   int first = 0;
   std::optional<int> last = {};
   int stride = 1;
@@ -39,6 +48,12 @@ struct FrameOptions {
                      .min = 0, .above_min = true});
     visit("times", self.times,
           OptionInfo{.text = "even: by rate_hz; stamps: by the time stamps of a video of variable rate"});
+    visit("pairs", self.pairs,
+          OptionInfo{.text = "sequence: each frame with the next; double: two and two, the exposures of a double-frame "
+                             "camera, whose pairs rate_hz then counts"});
+    visit("pair_time_s", self.pair_time_s,
+          OptionInfo{.unit = "s", .text = "double: time between the two exposures of a pair (with rate_hz)",
+                     .min = 0, .above_min = true});
     visit("first", self.first, OptionInfo{.text = "first frame used, counted from 0", .min = 0});
     visit("last", self.last, OptionInfo{.text = "last frame used; default: all", .min = 0});
     visit("stride", self.stride, OptionInfo{.text = "use every n-th frame", .min = 1});
@@ -66,8 +81,8 @@ class FrameSource {
   virtual int height() const = 0;
   /// What the frames are read from: one file each in their order, one video, or nothing (frames made in memory).
   virtual std::vector<std::filesystem::path> files() const { return {}; }
-  /// What is to be known of how the frames are read: their order, gaps, grey values that are lost. One sentence each.
-  virtual std::vector<std::string> remarks() const { return {}; }
+  /// What is to be known of how the frames are read: their order, gaps, grey values that are lost.
+  virtual std::vector<Remark> remarks() const { return {}; }
   /// Grey image of frame `index` (colour: ITU-R BT.601 luma). 16-bit files stay u16. Throws InputError naming the file
   /// if it is missing, truncated, unreadable, or differs in size or depth from the first.
   virtual Image read(int index) = 0;

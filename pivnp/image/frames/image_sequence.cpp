@@ -13,7 +13,7 @@ namespace {
 
 class ImageSequence final : public FrameSource {
  public:
-  ImageSequence(std::vector<fs::path> files, std::vector<Frame> frames, bool has_rate, std::vector<std::string> remarks)
+  ImageSequence(std::vector<fs::path> files, std::vector<Frame> frames, bool has_rate, std::vector<Remark> remarks)
       : files_(std::move(files)), frames_(std::move(frames)), has_rate_(has_rate), remarks_(std::move(remarks)) {
     const Image first = read_image_file(files_.front(), frames_key);
     width_ = first.width();
@@ -26,7 +26,7 @@ class ImageSequence final : public FrameSource {
   int width() const override { return width_; }
   int height() const override { return height_; }
   std::vector<fs::path> files() const override { return files_; }
-  std::vector<std::string> remarks() const override { return remarks_; }
+  std::vector<Remark> remarks() const override { return remarks_; }
 
   Image read(int index) override {
     const fs::path& file = files_.at(std::size_t(index));
@@ -42,7 +42,7 @@ class ImageSequence final : public FrameSource {
   std::vector<fs::path> files_;
   std::vector<Frame> frames_;
   bool has_rate_;
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
   int width_ = 0, height_ = 0;
   PixelDepth depth_ = PixelDepth::u8;
 };
@@ -66,11 +66,16 @@ std::unique_ptr<FrameSource> image_sequence(const FrameOptions& options, const F
     throw InputError("frames.times: found \"stamps\" for images, which have none; expected \"even\", or a video");
   std::vector<fs::path> paths;
   std::vector<Frame> frames;
+  double before = 0;
   for (const int number : chosen_frames(options, files.count(), options.path)) {
     paths.push_back(used_file(options, files, number));
     const auto at = [&](int k) { return files.clock.empty() ? double(k) : files.clock[std::size_t(k)]; };
     const double steps = at(number) - at(options.first);
-    frames.push_back({paths.back().filename().string(), options.rate_hz ? steps / *options.rate_hz : steps, frame_ok});
+    if (options.pairs == FramePairs::twos && frames.size() % 2 != 0 && steps != before + 1)
+      throw InputError("frames.pairs: '" + frames.back().name + "' and '" + paths.back().filename().string() +
+                       "' are not the exposures of one pair, as numbers between them are missing; frames.first begins at another one");
+    before = steps;
+    frames.push_back({paths.back().filename().string(), frame_time(options, options.rate_hz.value_or(0), frames.size(), steps), frame_ok});
   }
   const auto elsewhere = [&](const fs::path& p) { return p.parent_path() != paths.front().parent_path(); };
   if (std::any_of(paths.begin(), paths.end(), elsewhere))

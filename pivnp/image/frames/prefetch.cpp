@@ -20,7 +20,7 @@ class Prefetched final : public FrameSource {
   int width() const override { return source_->width(); }
   int height() const override { return source_->height(); }
   std::vector<std::filesystem::path> files() const override { return source_->files(); }
-  std::vector<std::string> remarks() const override { return source_->remarks(); }
+  std::vector<Remark> remarks() const override { return source_->remarks(); }
 
   Image read(int index) override {
     const bool forward = index == last_ + 1 || index == last_;

@@ -18,6 +18,9 @@ inline const std::string frames_key = "frames";  // what messages about frames b
 /// Original frame numbers chosen by first, last and stride out of `count`. Throws InputError if none is left.
 std::vector<int> chosen_frames(const FrameOptions& options, std::int64_t count, const std::string& path);
 
+/// Time of the frame used as number `index`, `steps` original frames after the first one used; without a rate (0) in frames.
+double frame_time(const FrameOptions& options, double rate_hz, std::size_t index, double steps);
+
 /// `base` is what names are relative to when the files lie in several folders.
 std::unique_ptr<FrameSource> image_sequence(const FrameOptions& options, const FrameFiles& files,
                                             const std::filesystem::path& base);

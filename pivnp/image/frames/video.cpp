@@ -177,12 +177,13 @@ class VideoSource final : public FrameSource {
     height_ = first.height();
     const int bits = stored_bits(capture_), turn = int(std::lround(capture_.get(cv::CAP_PROP_ORIENTATION_META)));
     if (bits > 8)
-      remarks_.push_back("The video holds grey values of " + std::to_string(bits) + " bits, but its decoder gives 8: " +
+      remarks_.push_back({"The video holds grey values of " + std::to_string(bits) + " bits, but its decoder gives 8: " +
                          std::to_string(different_values(first)) + " different ones are left in the first frame. Export the "
-                         "frames as 16-bit images (ffmpeg -i " + file_.filename().string() + " frame_%05d.png).");
+                         "frames as 16-bit images (ffmpeg -i " + file_.filename().string() + " frame_%05d.png).",
+                          RemarkWeight::doubt});
     if (turn % 360 != 0)
-      remarks_.push_back("The video asks players to turn it by " + std::to_string(turn) +
-                         " degrees; the frames are taken as they are stored, not turned.");
+      remarks_.push_back({"The video asks players to turn it by " + std::to_string(turn) +
+                         " degrees; the frames are taken as they are stored, not turned."});
   }
 
   const std::vector<Frame>& frames() const override { return frames_; }
@@ -190,7 +191,7 @@ class VideoSource final : public FrameSource {
   int width() const override { return width_; }
   int height() const override { return height_; }
   std::vector<fs::path> files() const override { return {file_}; }
-  std::vector<std::string> remarks() const override { return remarks_; }
+  std::vector<Remark> remarks() const override { return remarks_; }
 
   Image read(int index) override {
     const int number = numbers_.at(std::size_t(index));
@@ -253,7 +254,7 @@ class VideoSource final : public FrameSource {
   std::vector<int> numbers_;  // original frames
   std::vector<Frame> frames_;
   bool has_rate_;
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
   int width_ = 0, height_ = 0;
   cv::VideoCapture capture_;
   int at_ = -1;  // original frame that was grabbed last
@@ -275,13 +276,14 @@ std::unique_ptr<FrameSource> video_source(const FrameOptions& options, const fs:
     check_stamps(survey, std::size_t(numbers.back()) + 1, file);
   else if (!options.rate_hz)
     check_rate(survey, file);
-  const double rate = options.rate_hz.value_or(survey.rate_hz);
+  // A container's rate says nothing of the time between two exposures of a pair.
+  const double rate = options.rate_hz.value_or(options.pairs == FramePairs::sequence ? survey.rate_hz : 0);
   std::vector<Frame> frames;
   for (const int number : numbers) {
     const double steps = number - options.first;
     const std::string name = file.filename().string() + "#" + std::to_string(number);
     const double stamp = survey.stamps_s[std::size_t(number)] - survey.stamps_s[std::size_t(options.first)];
-    frames.push_back({name, stamped ? stamp : rate > 0 ? steps / rate : steps, frame_ok});
+    frames.push_back({name, stamped ? stamp : frame_time(options, rate, frames.size(), steps), frame_ok});
   }
   return std::make_unique<VideoSource>(file, numbers, std::move(frames), stamped || rate > 0);
 }

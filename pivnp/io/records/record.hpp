@@ -14,6 +14,7 @@
 #include "pivnp/core/particles/motion.hpp"
 #include "pivnp/core/record/camera_motion.hpp"
 #include "pivnp/core/record/closure_note.hpp"
+#include "pivnp/core/record/remark.hpp"
 #include "pivnp/core/record/comparison.hpp"
 #include "pivnp/core/record/energy.hpp"
 #include "pivnp/core/record/frames.hpp"
@@ -98,6 +99,8 @@ class RecordWriter {
   /// become VectorStatus::outside in the record. What is read back before that keeps its status.
   void set_material(const std::string& motion);
   void set_comparison(const Comparison& comparison);
+  /// What the run said of itself; before finish().
+  void set_remarks(const std::vector<Remark>& remarks);
   /// What the run took so far; before finish().
   void set_cost(const RunCost& cost);
   /// Fields of DerivedReader to store per motion (output.fields) when packing. Throws InputError for an unknown name.
@@ -145,6 +148,8 @@ class RecordReader {
   VectorField pair(std::size_t index) const;
   /// Nothing where the record states none (no pairs, an older record).
   std::optional<ClosureNote> closure() const;
+  /// What the run said of itself.
+  std::vector<Remark> remarks() const;
   std::vector<std::string> motion_names() const;
   std::unique_ptr<MotionSource> motion(const std::string& name) const;  // reads frame by frame
   /// Nothing where the record states none (a simulation, an older record).

@@ -47,6 +47,7 @@ RecordCheck check_record(const fs::path& path) {
   for (std::size_t k = 0; k < check.pairs; ++k) reader.pair(k);
   reader.camera_motion();
   reader.closure();
+  reader.remarks();
   for (const std::string& name : reader.motion_names()) {
     const auto motion = reader.motion(name);
     check.motions.push_back({name, motion->particles().size(), motion->times().size()});

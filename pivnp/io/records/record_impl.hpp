@@ -56,6 +56,7 @@ struct RecordWriter::Impl {
   std::optional<ClosureNote> closure;
   std::optional<Comparison> comparison;
   std::optional<RunCost> cost;
+  std::vector<Remark> remarks;
   std::string material;                        // the motion that tells where nodes are outside; empty: none
   std::map<std::string, StrainNote> strain_notes;  // by motion
   std::vector<std::string> output_fields;

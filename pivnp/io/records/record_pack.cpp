@@ -251,6 +251,20 @@ void pack_strain_note(h5::OutputFile& out, const std::string& motion, const Stra
   out.attribute(group, "strain_floor_path", note.floor_path);
 }
 
+// Attributes: what a run that was taken up again did not see it does not say, and its data are the same.
+void pack_remarks(h5::OutputFile& out, const std::vector<Remark>& remarks) {
+  constexpr std::size_t most = 60000;  // HDF5 holds 64 KiB
+  out.group("/remarks");
+  for (const RemarkWeight weight : remark_weights) {
+    std::string lines;
+    for (Remark remark : remarks) {
+      std::replace(remark.text.begin(), remark.text.end(), '\n', ' ');
+      if (remark.weight == weight && lines.size() + remark.text.size() < most) lines += remark.text + "\n";
+    }
+    if (!lines.empty()) out.attribute("/remarks", name_of(weight), lines);
+  }
+}
+
 void pack_closure(h5::OutputFile& out, const ClosureNote& note, const Grid& grid, const Units& units) {
   out.attribute("/piv", "closure", note.verdict);
   if (note.threshold > 0) {
@@ -308,6 +322,7 @@ void RecordWriter::Impl::commit_packed() {
     for (const auto& [motion, note] : strain_notes) pack_strain_note(*packed, motion, note);
     if (comparison) pack_comparison(*packed, *comparison, units);
     if (cost) pack_cost(*packed, *cost);
+    pack_remarks(*packed, remarks);
     pack_views(*packed, head.grid, units);
   });
   packed->commit();

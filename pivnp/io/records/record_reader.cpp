@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <charconv>
 
@@ -168,6 +169,22 @@ std::optional<ClosureNote> RecordReader::closure() const {
     repeated.read(h5::Type::f32, 0, std::size_t(grid.ny), note.repeated.data());
   }
   return note;
+}
+
+std::vector<Remark> RecordReader::remarks() const {
+  const h5::Source& source = impl_->source;
+  std::vector<Remark> out;
+  if (!source.has("/remarks")) return out;
+  for (const RemarkWeight weight : remark_weights) {
+    if (!source.has_attribute("/remarks", name_of(weight))) continue;
+    const std::string lines = source.attribute_text("/remarks", name_of(weight));
+    for (std::size_t begin = 0; begin < lines.size();) {
+      const std::size_t end = std::min(lines.find('\n', begin), lines.size());
+      out.push_back({lines.substr(begin, end - begin), weight, {}});
+      begin = end + 1;
+    }
+  }
+  return out;
 }
 
 std::optional<StrainNote> RecordReader::strain_note(const std::string& motion) const {

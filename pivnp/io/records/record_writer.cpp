@@ -323,6 +323,8 @@ void RecordWriter::set_comparison(const Comparison& comparison) {
 
 void RecordWriter::set_material(const std::string& motion) { impl_->material = motion; }
 
+void RecordWriter::set_remarks(const std::vector<Remark>& remarks) { impl_->remarks = remarks; }
+
 void RecordWriter::set_cost(const RunCost& cost) { impl_->cost = cost; }
 
 void RecordWriter::set_camera_motion(const CameraMotion& motion) {

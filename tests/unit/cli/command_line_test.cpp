@@ -148,8 +148,18 @@ TEST_F(CommandLine, AFolderOfFramesStandsForTheCasesPattern) {
   EXPECT_EQ(fake_study().settings.frames, (folder.path / "v.mp4").string());
 }
 
+TEST_F(CommandLine, WhatIsNotUsableIsAnError) {
+  fake_study().outcome = {"o/record.h5", "", "", {Remark{"Nothing moves.", RemarkWeight::unusable}, Remark{"Frame 4 is dark.", RemarkWeight::doubt}}, {}, {}, {}};
+  const Ran ran = run_program({"track", measured});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_EQ(ran.out, "o/record.h5\nwarning: Frame 4 is dark.\n");
+  EXPECT_EQ(ran.err, "pivnp: error: Nothing moves.\n");
+  EXPECT_EQ(run_program({"track", measured, "--quiet"}).err, ran.err);
+  EXPECT_EQ(run_program({"report", "o/record.h5"}).code, 0) << "a report can be drawn of it";
+}
+
 TEST_F(CommandLine, ResultsArePrinted) {
-  fake_study().outcome = {"o/record.h5", "o/report.html", "o/report.pdf", {"Frame 3 is bad."}, {}, {}, {}};
+  fake_study().outcome = {"o/record.h5", "o/report.html", "o/report.pdf", {Remark{"Frame 3 is bad."}}, {}, {}, {}};
   const Ran ran = run_program({"run", measured});
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out, "o/record.h5\no/report.html\no/report.pdf\nnote: Frame 3 is bad.\n");

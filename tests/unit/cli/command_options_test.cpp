@@ -181,7 +181,7 @@ TEST(Compare, AsJson) {
   Metric plain{"coverage_first", 0.9, "1", std::nan(""), "share"};
   Metric real{"run_out_x_difference", -0.5, "m", 0.1, "", Verdict::differs, 2};
   study.outcome.metrics = {rms, plain, real};
-  study.outcome.remarks = {"A \"line\"\nof two."};
+  study.outcome.remarks = {{"A \"line\"\nof two."}};
   LimitResult limit{"displacement_rms_m", 0.005, 0.003, true};
   limit.within = 0.00629;
   study.outcome.limits = {limit};

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 using test::error_of;
 using test::Scratch;
 using ::testing::AllOf;
+using ::testing::Field;
 using ::testing::HasSubstr;
 
 class Video : public Scratch {
@@ -83,7 +84,7 @@ TEST_F(Video, GreyValuesThatTheDecoderCutsAreSaid) {
   put(at("deep.y4m"), file);
   FrameOptions options;
   options.path = "deep.y4m";
-  EXPECT_THAT(open(options)->remarks(), ::testing::ElementsAre(AllOf(HasSubstr("16 bits"), HasSubstr(" different ones are left"))));
+  EXPECT_THAT(open(options)->remarks(), ::testing::ElementsAre(Field(&Remark::text, AllOf(HasSubstr("16 bits"), HasSubstr(" different ones are left")))));
 }
 
 // The matrix in the track's head: a turn by a quarter, as of a telephone that was held upright.
@@ -100,7 +101,7 @@ TEST_F(Video, ATurnThatThePlayerIsAskedForIsSaid) {
   options.path = "turned.mp4";
   const auto source = open(options);
   EXPECT_EQ(source->width(), width);
-  EXPECT_THAT(source->remarks(), ::testing::ElementsAre(HasSubstr("turn it by")));
+  EXPECT_THAT(source->remarks(), ::testing::ElementsAre(Field(&Remark::text, HasSubstr("turn it by"))));
 }
 
 TEST_F(Video, TimesAreThoseOfTheStampsWhereTheyAreAsked) {

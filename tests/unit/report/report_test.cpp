@@ -115,7 +115,7 @@ TEST_F(Report, Full) {
   EXPECT_LE(pages_, 7u);
   EXPECT_NE(html_.find("<dt>displacement</dt>"), std::string::npos);
   EXPECT_NE(html_.find(name_of(LimitFate::exceeded)), std::string::npos);
-  EXPECT_NE(html_.find("IMG_0015.png to IMG_0016.png: the pair lost its correlation"), std::string::npos);
+  EXPECT_NE(html_.find("The node column nearest to the gate"), std::string::npos);
   EXPECT_NE(html_.find(words(EndReason::left_image)), std::string::npos);
   EXPECT_NE(html_.find("mohr_coulomb"), std::string::npos);
   EXPECT_NE(html_.find("pivnp run datasets/gate_slope"), std::string::npos);
@@ -272,11 +272,16 @@ TEST_F(Report, NamesAreText) {
   s.content.name = "<b>sand & clay</b> \"1 g\" \xff";
   s.content.frames[0].name = "a<script>.png";
   s.content.command = "pivnp run 'x & <y>'";
-  s.content.remarks = {"frame a<b&c>d", ""};
+  s.content.remarks = {{"frame a<b&c>d", RemarkWeight::doubt}, {"", RemarkWeight::doubt}, {"all <well>"}, {"none & nothing", RemarkWeight::unusable}};
   ReportOptions options;
   write(s, options);
   EXPECT_NE(html_.find("&lt;b&gt;sand &amp; clay&lt;/b&gt; &quot;1 g&quot; \ufffd"), std::string::npos);
   EXPECT_NE(html_.find("frame a&lt;b&amp;c&gt;d"), std::string::npos);
+  const auto at = [&](const char* text) { return html_.find(text); };  // what is not usable leads, notes are no flags
+  EXPECT_LT(at("none &amp; nothing"), at(">What was flagged<"));
+  EXPECT_LT(at(">What was flagged<"), at("frame a&lt;b&amp;c&gt;d"));
+  EXPECT_LT(at(">How this was made<"), at("all &lt;well&gt;"));
+  EXPECT_EQ(occurrences(html_, "all &lt;well&gt;"), 1u);
   EXPECT_NE(html_.find("pivnp run &#39;x &amp; &lt;y&gt;&#39;"), std::string::npos);
 }
 

@@ -141,7 +141,7 @@ TEST(Summary, SentencesSayWhatTheNumbersSay) {
       EXPECT_NE(text.find(" " + std::to_string(d.missed) + " of " + std::to_string(d.limits) + " limit"), std::string::npos);
     }
     std::size_t flagged = 0;
-    for (const std::string& flag : flags(d.content, names, {})) flagged += count_of(flag, "is exceeded");
+    for (const std::string& flag : flags(d.content)) flagged += count_of(flag, "is exceeded");
     EXPECT_EQ(flagged, d.missed);
   }
 }

@@ -248,7 +248,7 @@ Synthetic make_synthetic(const SyntheticOptions& o) {
     c.reactions = reactions_of({"boundary.base", "body.plate"}, rows);
   }
   if (o.measured && o.pairs)
-    c.remarks = {"The node column nearest to the gate is masked where the gate's shadow falls."};
+    c.remarks = {{"The node column nearest to the gate is masked where the gate's shadow falls.", RemarkWeight::doubt}};
   return s;
 }
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "apps/report/report.hpp"
-#include "apps/study/pipeline/record/outcome.hpp"
+#include "apps/study/pipeline/record/remarks.hpp"
 #include "apps/study/study.hpp"
 #include "pivnp/core/particles/end_reason.hpp"
 #include "pivnp/io/records/record.hpp"
@@ -66,7 +66,7 @@ TEST(EndReasons, EveryOneIsTold) {
   const io::RecordReader record(record_of(scratch.path, reasons));
   EXPECT_EQ(record.motion("mpm")->particles().end_reason.back(), EndReason(250));
 
-  const std::vector<std::string> remarks = remarks_of(record);
+  const std::vector<Remark> remarks = remarks_of(record);
   EXPECT_EQ(remarks.size(), reasons.size() - 1);  // all but `none`
   report::ReportInput input;
   input.name = "ends";
@@ -75,9 +75,9 @@ TEST(EndReasons, EveryOneIsTold) {
   const std::string html = read(scratch.path / "report.html");
   for (const EndReason reason : reasons) {
     if (reason == EndReason::none) continue;
-    const auto told = [&](const std::string& line) { return holds(line, words(reason)); };
+    const auto told = [&](const Remark& remark) { return holds(remark.text, words(reason)); };
     EXPECT_EQ(std::count_if(remarks.begin(), remarks.end(), told), 1) << words(reason);
-    EXPECT_TRUE(told(html)) << words(reason);
+    EXPECT_TRUE(holds(html, words(reason))) << words(reason);
   }
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/study/pipeline/record/outcome.hpp"
+#include "apps/study/pipeline/record/remarks.hpp"
 #include "apps/study/study.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -47,8 +47,20 @@ MotionFrame with_limits(double time, std::vector<float> codes) {
   return frame;
 }
 
-std::size_t told(const std::vector<std::string>& remarks, const std::string& part) {
-  return std::size_t(std::count_if(remarks.begin(), remarks.end(), [&](const std::string& r) { return r.find(part) != std::string::npos; }));
+std::size_t told(const std::vector<Remark>& remarks, const std::string& part) {
+  return std::size_t(std::count_if(remarks.begin(), remarks.end(), [&](const Remark& r) { return r.text.find(part) != std::string::npos; }));
+}
+
+std::vector<Remark> remarks_on_energy(std::vector<EnergyRow> rows, bool damped) {
+  RecordSeen seen;
+  seen.energy = std::move(rows), seen.damped = damped;
+  return remarks_of(seen);
+}
+
+std::vector<Remark> remarks_on_heat(const MotionSource& motion) {
+  RecordSeen seen;
+  seen.motions = {seen_in(motion)};
+  return remarks_of(seen);
 }
 
 // What a swing has at its end does not count, what it was given at most does; damping that was asked for is no loss.
@@ -83,7 +95,7 @@ TEST(HeatRemarks, CountTheWorstState) {
   EXPECT_TRUE(remarks_on_heat(motion).empty());
   motion.add(with_limits(1, {1, 3, 2, 0}));
   motion.add(with_limits(2, {1, 1, 1, 0}));
-  const std::vector<std::string> remarks = remarks_on_heat(motion);
+  const std::vector<Remark> remarks = remarks_on_heat(motion);
   EXPECT_EQ(remarks.size(), 2u);
   EXPECT_EQ(told(remarks, "Up to 3 particles are hotter than 100 C"), 1u);
   EXPECT_EQ(told(remarks, "Up to 2 particles have a water pressure"), 1u);

@@ -157,7 +157,7 @@ type = "roller"
   }
   EXPECT_EQ(removed, 100u);
   EXPECT_TRUE(std::any_of(outcome.remarks.begin(), outcome.remarks.end(),
-                          [](const std::string& r) { return r.find(words(EndReason::removed)) != std::string::npos; }));
+                          [](const Remark& r) { return r.text.find(words(EndReason::removed)) != std::string::npos; }));
   EXPECT_NE(read(scratch.path / "report.html").find(words(EndReason::removed)), std::string::npos);
   EXPECT_NO_THROW(report_record(outcome.record, settings, silent));
 }

@@ -120,9 +120,9 @@ TEST(Shutter, SaysWhatBlursAndWhatIsCorrected) {
   EXPECT_THAT(said("exposure_s = 0.1\n"), IsEmpty());  // .25 px
   const auto blurred = said("exposure_s = 0.3\nrow_time_s = 0.001\n");
   ASSERT_EQ(blurred.size(), 2u);
-  EXPECT_THAT(blurred[0], HasSubstr("blurred by motion"));  // .3 s of 2.4 px/s
-  EXPECT_THAT(blurred[0], HasSubstr("0.7"));
-  EXPECT_THAT(blurred[1], HasSubstr("Rows are read one after the other, in 0.191 s"));
+  EXPECT_THAT(blurred[0].text, HasSubstr("blurred by motion"));  // .3 s of 2.4 px/s
+  EXPECT_THAT(blurred[0].text, HasSubstr("0.7"));
+  EXPECT_THAT(blurred[1].text, HasSubstr("Rows are read one after the other, in 0.191 s"));
 }
 
 TEST(RollingShutter, RefusesWhatItCannotGoWith) {

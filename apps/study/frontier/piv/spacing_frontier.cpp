@@ -138,7 +138,7 @@ std::vector<Choice> choices(const PivOptions& base) {
 
 }  // namespace
 
-FrontierStage spacing_frontier(const KnownPairs& known, const PivOptions& base_options, const np::NpOptions& np, const GivenSpacing& given, bool own,
+FrontierStage spacing_frontier(const KnownPairs& known, const PivOptions& base_options, const np::NpOptions& np, const SpacingKey& given, bool own,
                                int repeats, int threads, Progress& progress) {
   const PivOptions base = plainly(base_options), standard = with_defaults(base);
   const std::vector<Vec2> places = places_of(known);

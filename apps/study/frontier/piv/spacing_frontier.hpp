@@ -11,7 +11,7 @@
 namespace pivnp::app {
 
 /// The spacing of a case's nodes, and what the case says for another one ("grid.spacing_px=16").
-struct GivenSpacing {
+struct SpacingKey {
   double px = 0;  // 0: a quarter of the window, as a case has that says nothing
   std::function<std::string(double px)> key = {};
 };
@@ -21,7 +21,7 @@ struct GivenSpacing {
 /// spacing has for its own, read the field of each pair; errors, shares and wave-lengths (piv_frontier()) are those of what they
 /// read. The error of reading between the nodes is thus in them, which no figure at the nodes shows. Places: valid where the
 /// particle can be followed.
-FrontierStage spacing_frontier(const KnownPairs& known, const piv::PivOptions& base, const np::NpOptions& np, const GivenSpacing& given, bool own,
+FrontierStage spacing_frontier(const KnownPairs& known, const piv::PivOptions& base, const np::NpOptions& np, const SpacingKey& given, bool own,
                                int repeats, int threads, Progress& progress);
 
 }  // namespace pivnp::app

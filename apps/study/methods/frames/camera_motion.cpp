@@ -301,8 +301,8 @@ void follow_masks(const Case& c, Setting& setting, image::FrameSource& source, i
   }
 }
 
-std::vector<std::string> camera_motion_remarks(const Case& c, const CameraMotion& motion, const std::vector<Frame>& frames) {
-  std::vector<std::string> remarks;
+std::vector<Remark> camera_motion_remarks(const Case& c, const CameraMotion& motion, const std::vector<Frame>& frames) {
+  std::vector<Remark> remarks;
   if (motion.empty()) return remarks;
   const std::string what = name_of_source(c.camera_motion.from);
   std::size_t farthest = 0, step = 0, worst = 0, lost = 0, first_lost = 0, apart = 0, first_apart = 0;
@@ -321,22 +321,22 @@ std::vector<std::string> camera_motion_remarks(const Case& c, const CameraMotion
   }
   const auto frame = [&](std::size_t k) { return frames[k].name; };
   if (shift > 0)
-    remarks.push_back("The camera moved, measured by " + what + ": by up to " + number(shift, 3) + " px (" + frame(farthest) + "), " +
+    remarks.push_back({"The camera moved, measured by " + what + ": by up to " + number(shift, 3) + " px (" + frame(farthest) + "), " +
                       number(jump, 3) + " px from one frame to the next (" + frame(step) + "), " +
                       number(turn * 180 / std::numbers::pi, 2) + " degrees and " + number(100 * zoom, 2) +
-                      " % of scale. This is removed from all vectors.");
+                      " % of scale. This is removed from all vectors."});
   if (apart > 0)
-    remarks.push_back("Not all of " + what + " is at rest: in " + std::to_string(apart) + (apart == 1 ? " frame" : " frames") +
+    remarks.push_back({"Not all of " + what + " is at rest: in " + std::to_string(apart) + (apart == 1 ? " frame" : " frames") +
                       ", first in " + frame(first_apart) + ", fewer than " + number(100 * usual_share) +
                       " % of its subsets move alike (" + std::to_string(motion.at[first_apart].agree) + " of " +
-                      std::to_string(motion.at[first_apart].points) + " within " + number(tolerance_px) + " px). What most of them share was taken as the camera's motion.");
+                      std::to_string(motion.at[first_apart].points) + " within " + number(tolerance_px) + " px). What most of them share was taken as the camera's motion.", RemarkWeight::doubt});
   else if (residual > loud_residual_px)
-    remarks.push_back("What should be at rest, " + what + ", is not: its subsets depart from one common motion by " + number(residual, 2) +
-                      " px RMS in " + frame(worst) + ".");
+    remarks.push_back({"What should be at rest, " + what + ", is not: its subsets depart from one common motion by " + number(residual, 2) +
+                      " px RMS in " + frame(worst) + ".", RemarkWeight::doubt});
   if (lost > 0)
-    remarks.push_back("The camera's motion is not known in " + std::to_string(lost) + (lost == 1 ? " frame" : " frames") + ", first in " +
+    remarks.push_back({"The camera's motion is not known in " + std::to_string(lost) + (lost == 1 ? " frame" : " frames") + ", first in " +
                       frame(first_lost) + ": " + what + " was not found again within camera.motion.search_px (" +
-                      std::to_string(c.camera_motion.search_px) + " px). The place of the frame before was kept there.");
+                      std::to_string(c.camera_motion.search_px) + " px). The place of the frame before was kept there.", RemarkWeight::doubt});
   return remarks;
 }
 
@@ -346,25 +346,31 @@ std::vector<std::string> still_zone_remarks(const Case& c, const Setting& settin
   const std::vector<Polygon> zone = zones(c, setting);
   if (zone.empty()) return {};
   const double pixel = setting.grid.spacing.x() / node_spacing_px(setting);
-  constexpr double floor_px = 0.1;
+  constexpr double floor_px = 0.1, errors = 4, of_a_median = std::numbers::pi / 2;
   Vec2 place = Vec2::Zero();
-  double most = 0, jump = 0;
+  double most = 0, jump = 0, variance = 0;  // variance: of what the vectors' own error adds up to, a component
   std::size_t at = 0;
   for (std::size_t k = 0; k < pairs; ++k) {
     const VectorField field = pair(k);
-    std::vector<double> u, v;
+    std::vector<double> u, v, own;
     for (std::size_t n = 0; n < field.status.size(); ++n) {
       if (field.status[n] != VectorStatus::valid) continue;
       if (!zone.front().contains(setting.grid.position(int(n) % setting.grid.nx, int(n) / setting.grid.nx))) continue;
-      u.push_back(double(field.displacement[n][0])), v.push_back(double(field.displacement[n][1]));
+      u.push_back(double(field.displacement[n][0]));
+      v.push_back(double(field.displacement[n][1]));
+      if (const double trace = double(field.cov[n][0]) + double(field.cov[n][1]); std::isfinite(trace))
+        own.push_back(trace / 2 * (field.path_factor.empty() ? 1.0 : double(field.path_factor[n])));
     }
     if (u.size() < 3) continue;
+    const double alike = std::max(1.0, double(field.correlation_length) / setting.grid.spacing.x());  // nodes of one error
+    variance += of_a_median * median(std::move(own)) / std::max(1.0, double(u.size()) / (alike * alike));
     const Vec2 step(median(std::move(u)), median(std::move(v)));
     place += step;
-    most = std::max(most, place.norm() / pixel);
+    const double by_chance = errors * std::sqrt(variance) / pixel;
+    if (place.norm() / pixel > std::max(floor_px, by_chance)) most = std::max(most, place.norm() / pixel);
     if (step.norm() / pixel > jump) jump = step.norm() / pixel, at = k;
   }
-  if (!(most > floor_px)) return {};
+  if (!(most > 0)) return {};
   return {"The still zone is not at rest: its median displacement grows to " + number(most, 3) + " px, " + number(jump, 3) +
           " px of it between frames " + std::to_string(at) + " and " + std::to_string(at + 1) +
           ". If the camera moved, all displacements hold its motion; camera.motion.from = \"still_zone\" removes it."};

@@ -7,6 +7,7 @@
 
 #include "apps/study/pipeline/scene/scene.hpp"
 #include "pivnp/core/progress.hpp"
+#include "pivnp/core/record/remark.hpp"
 #include "pivnp/image/frames/frames.hpp"
 
 namespace pivnp::app {
@@ -26,7 +27,7 @@ CameraMotion find_camera_motion(const Case& c, const Setting& setting, image::Fr
 void follow_masks(const Case& c, Setting& setting, image::FrameSource& source, int threads, Progress& progress);
 
 /// What the camera's motion came to, and where what should be at rest is not: one sentence each.
-std::vector<std::string> camera_motion_remarks(const Case& c, const CameraMotion& motion, const std::vector<Frame>& frames);
+std::vector<Remark> camera_motion_remarks(const Case& c, const CameraMotion& motion, const std::vector<Frame>& frames);
 
 /// Without [camera.motion]: whether np.still_zone_* moves in the vectors themselves, which says that the camera did.
 /// `pair`: of frames k and k + 1.

@@ -31,7 +31,7 @@ class SomeFrames final : public image::FrameSource {
   int width() const override { return source_->width(); }
   int height() const override { return source_->height(); }
   std::vector<std::filesystem::path> files() const override { return files_; }
-  std::vector<std::string> remarks() const override { return source_->remarks(); }
+  std::vector<Remark> remarks() const override { return source_->remarks(); }
   Image read(int index) override { return source_->read(used_.at(std::size_t(index))); }
 
  private:

@@ -68,16 +68,17 @@ std::optional<Simulated> advance(const Case& c, const Setting& setting, const st
 
 }  // namespace
 
-std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
+std::vector<Remark> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress) {
   const std::optional<Simulated> run = advance(c, setting, "mpm", times, writer, threads, progress, "simulation");
   if (!run) return {};
-  std::vector<std::string> notes = doubts(c, setting);
-  if (!run->pressure_choice.empty()) notes.push_back(run->pressure_choice);
+  std::vector<Remark> notes;
+  for (std::string& doubt : doubts(c, setting)) notes.push_back({std::move(doubt), RemarkWeight::doubt});
+  if (!run->pressure_choice.empty()) notes.push_back({run->pressure_choice});
   if (c.mpm->sleep_below_m_s)
-    notes.push_back("Sleeping left out " + number(100 * run->slept.share, 3) +
+    notes.push_back({"Sleeping left out " + number(100 * run->slept.share, 3) +
                     " % of the particles' steps. While asleep no particle missed more than " + number(run->slept.displacement_m, 2) +
-                    " m of displacement, and " + number(run->slept.energy, 2) + " J/m of kinetic energy was removed (part of damping).");
+                    " m of displacement, and " + number(run->slept.energy, 2) + " J/m of kinetic energy was removed (part of damping)."});
   return notes;
 }
 

@@ -7,12 +7,13 @@
 #include "apps/study/pipeline/record/opened_motion.hpp"
 #include "apps/study/pipeline/scene/scene.hpp"
 #include "pivnp/core/progress.hpp"
+#include "pivnp/core/record/remark.hpp"
 #include "pivnp/io/records/record.hpp"
 
 namespace pivnp::app {
 
 /// The simulation at `times` (the first is 0): motion "mpm", and its energy. Returns remarks: its doubts, and what sleeping left out.
-std::vector<std::string> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
+std::vector<Remark> simulate(const Case& c, const Setting& setting, const std::vector<double>& times,
                                   io::RecordWriter& writer, int threads, Progress& progress);
 
 /// The measured grid with cells so many times as large; it reaches at least as far.

@@ -157,7 +157,7 @@ std::vector<std::vector<std::uint8_t>> masks_of_group(const Setting& setting, in
 
 // Pairs whose correlations are averaged: each of a group has their mean displacement. Groups begin at multiples of
 // their number, so that a run that is taken up again has the same.
-std::vector<std::string> measure_means(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer,
+std::vector<Remark> measure_means(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer,
                    int first_pair, int threads, Progress& progress, FrameLooks* looks) {
   const piv::PivOptions options = *c.piv;
   const piv::NodeLattice lattice = node_lattice(setting);
@@ -218,6 +218,19 @@ std::vector<std::string> measure_means(const Case& c, const Setting& setting, im
   return regions.remarks();
 }
 
+// Exposures of a double-frame camera: nothing is known of the motion from one pair to the next.
+void measure_twos(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int first_pair,
+                  int threads, Progress& progress) {
+  const int pairs = int(source.frames().size() / 2);
+  for (int k = first_pair; k < pairs; ++k) {
+    if (progress.stop_requested()) throw Interrupted();
+    writer.add_pair(measure_pair(c, setting, source, {2 * k, 2 * k + 1}, threads));
+    if (writer.segment_full("piv")) writer.close_segment("piv", {});
+    progress.update("PIV", k + 1, pairs);
+  }
+  writer.end_stage("piv", nullptr);
+}
+
 }  // namespace
 
 StepQuality quality_of(const VectorField& field) {
@@ -240,7 +253,7 @@ StepQuality quality_of(const VectorField& field) {
   return q;
 }
 
-std::vector<std::string> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
+std::vector<Remark> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress, FrameLooks* looks) {
   const io::StageState done = writer.stage("piv");
   if (done.complete) return {};
@@ -248,8 +261,12 @@ std::vector<std::string> measure(const Case& c, const Setting& setting, image::F
   piv::NodeLattice lattice = node_lattice(setting);
   const piv::PivOptions options = c.piv.value_or(piv::PivOptions{});
   const bool moves = !setting.cameras.empty();
+  if (in_twos(c)) {
+    measure_twos(c, setting, source, writer, int(done.items), threads, progress);
+    return {};
+  }
   if (options.ensemble > 1) {
-    std::vector<std::string> remarks = measure_means(c, setting, source, writer, int(done.items), threads, progress, looks);
+    std::vector<Remark> remarks = measure_means(c, setting, source, writer, int(done.items), threads, progress, looks);
     writer.end_stage("piv", nullptr);
     return remarks;
   }
@@ -443,20 +460,26 @@ std::vector<FrameLook> all_looks(image::FrameSource& source, const FrameLooks& l
 std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer,
                                   const std::vector<FrameLook>& looks) {
   std::vector<double> times;
-  for (std::size_t k = 0; k + 1 < frames.size(); ++k) times.push_back(frames[k + 1].time - frames[k].time);
-  const double usual_time = median(times);
+  std::vector<std::size_t> seconds;  // frames
   std::vector<StepQuality> pairs;
   VectorField before, here;
-  for (std::size_t k = 0; k + 1 < frames.size(); ++k) {
+  for (std::size_t k = 0, second = 0; second + 1 < frames.size(); ++k) {
     VectorField after = writer.pair(k);
+    const auto first = std::size_t(after.pair[0]);
+    second = std::size_t(after.pair[1]);
+    times.push_back(frames[second].time - frames[first].time);
+    seconds.push_back(second);
     pairs.push_back(quality_of(after));
-    if (times[k] != usual_time) pairs[k].median_shift *= usual_time / times[k];
-    if (!looks.empty()) pairs[k].same = looks[k].digest == looks[k + 1].digest;
+    if (!looks.empty()) pairs[k].same = looks[first].digest == looks[second].digest;
     if (k >= 2) pairs[k - 1].along = cosine(before, after);
-    before = std::move(here), here = std::move(after);
+    before = std::move(here);
+    here = std::move(after);
   }
+  const double usual_time = median(times);
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (times[k] != usual_time) pairs[k].median_shift *= usual_time / times[k];
   const std::vector<std::uint8_t> flags = step_flags(pairs), flashes = flash_flags(looks);
-  for (std::size_t k = 0; k < flags.size(); ++k) frames[k + 1].flag |= flags[k];
+  for (std::size_t k = 0; k < flags.size(); ++k) frames[seconds[k]].flag |= flags[k];
   for (std::size_t k = 0; k < flashes.size(); ++k) frames[k].flag |= flashes[k];
   return frames;
 }

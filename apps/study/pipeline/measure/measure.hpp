@@ -14,6 +14,10 @@ namespace pivnp::app {
 
 class MaterialMasks;
 
+/// Pairs are two exposures each (frames.pairs = "double"), else each frame with the next.
+inline bool in_twos(const Case& c) { return c.frames && c.frames->pairs == image::FramePairs::twos; }
+inline std::size_t pairs_among(const Case& c, std::size_t frames) { return in_twos(c) ? frames / 2 : frames - 1; }
+
 /// What one pair's vectors say of the pair as a whole.
 struct StepQuality {
   double valid = 0;         // share of the vectors asked for (not masked) that are valid
@@ -43,14 +47,14 @@ std::vector<FrameLook> all_looks(image::FrameSource& source, const FrameLooks& l
 
 /// Measures every pair that `writer` does not hold yet; two frames and the fields of a group of pairs are in memory.
 /// Regions of the case go along as masks (moving_regions.hpp). Returns remarks on them.
-std::vector<std::string> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
+std::vector<Remark> measure(const Case& c, const Setting& setting, image::FrameSource& source, io::RecordWriter& writer, int threads,
              Progress& progress, FrameLooks* looks = nullptr);
 
 /// The vectors of one pair of frames, `pair` = (first, second), any distance apart. `material`: regions as masks of it; null: none.
 VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSource& source, std::array<int, 2> pair,
                          int threads, MaterialMasks* material = nullptr);
 
-/// Flags of the step that ends at each frame but the first, from the quality of all pairs in order.
+/// Flags of each pair, from the quality of all pairs in order.
 /// Decorrelated: StepQuality::lost(), or less than half the usual share of vectors is valid, or their median score is
 /// below 0.6 of the usual. Repeated: the frames are equal to the last bit; or they are one exposure compressed anew,
 /// that is, they differ (1 - score) by less than a third of what the steps about them do, so that they share their
@@ -61,7 +65,7 @@ VectorField measure_pair(const Case& c, const Setting& setting, image::FrameSour
 /// in time), and by four times what is usual in the sequence.
 std::vector<std::uint8_t> step_flags(const std::vector<StepQuality>& pairs);
 
-/// The frames with their flags; steps are compared as speeds, by the times of the frames. `looks`: of all frames; empty
+/// The frames with their flags, a pair's at its second; steps are compared as speeds, by the times of the frames. `looks`: of all frames; empty
 /// where there are none, as of imported vectors.
 std::vector<Frame> flagged_frames(std::vector<Frame> frames, const io::RecordWriter& writer,
                                   const std::vector<FrameLook>& looks = {});

@@ -234,11 +234,12 @@ void MovingRegions::begin_group(bool one_more) {
     for (OutlinePoint& p : outline.points) p.outside = Outside::unknown;
 }
 
-std::vector<std::string> MovingRegions::remarks() const {
-  std::vector<std::string> out = lost_;
-  if (const double share = left_out(); share > 0)
-    out.push_back("The regions moved with their material as masks: beside " + number(std::round(1000 * share) / 10) +
-                  " % of their outlines, over all pairs, what lies outside stood still and was left out (piv.follow_regions).");
+std::vector<Remark> MovingRegions::remarks() const {
+  std::vector<Remark> out;
+  for (const std::string& words : lost_) out.push_back({words, RemarkWeight::doubt});
+  if (const double share = left_out(); share >= 0.005)
+    out.push_back({"The regions moved with their material as masks: beside " + number(std::round(100 * share)) +
+                   " % of their outlines, over all pairs, what lies outside stood still and was left out (piv.follow_regions)."});
   return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "apps/study/pipeline/measure/moving_outline.hpp"
 #include "apps/study/pipeline/scene/scene.hpp"
+#include "pivnp/core/record/remark.hpp"
 
 namespace pivnp::app {
 
@@ -43,7 +44,7 @@ class MovingRegions {
   /// Of all points and pairs so far: the share beside which something was left out.
   double left_out() const { return judged_ > 0 ? double(masked_) / double(judged_) : 0; }
   /// Sentences on what was left out, and on regions that were lost.
-  std::vector<std::string> remarks() const;
+  std::vector<Remark> remarks() const;
 
  private:
   const Setting& setting_;

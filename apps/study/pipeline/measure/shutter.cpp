@@ -96,7 +96,7 @@ VectorField RowClock::alone(const VectorField& raw) const {
   return out;
 }
 
-std::vector<std::string> shutter_remarks(const Case& c, const Setting& setting, const std::vector<Frame>& frames, std::size_t pairs,
+std::vector<Remark> shutter_remarks(const Case& c, const Setting& setting, const std::vector<Frame>& frames, std::size_t pairs,
                                          const std::function<VectorField(std::size_t)>& pair) {
   const double exposure = c.camera.exposure_s, readout = std::abs(c.camera.row_time_s) * (setting.height - 1);
   if (exposure == 0 && readout == 0) return {};
@@ -115,15 +115,15 @@ std::vector<std::string> shutter_remarks(const Case& c, const Setting& setting, 
     std::nth_element(speed.begin(), high, speed.end());
     if (*high > most) most = *high, at = std::size_t(field.pair[0]);
   }
-  std::vector<std::string> out;
+  std::vector<Remark> out;
   constexpr double loud_blur_px = 0.5;
   if (const double blur = exposure * most; blur > loud_blur_px)
-    out.push_back("Pictures are blurred by motion: while one is exposed (camera.exposure_s), the fastest material moves by " + number(blur, 2) +
+    out.push_back({"Pictures are blurred by motion: while one is exposed (camera.exposure_s), the fastest material moves by " + number(blur, 2) +
                   " px (95th percentile, from frame " + std::to_string(at) + " on). Above half a pixel fine texture is lost along the way of the motion, "
-                  "and vectors scatter more; an exposure of " + number(loud_blur_px / most, 2) + " s would do.");
+                  "and vectors scatter more; an exposure of " + number(loud_blur_px / most, 2) + " s would do.", RemarkWeight::doubt});
   if (readout > 0)
-    out.push_back("Rows are read one after the other, in " + number(readout, 3) + " s an image, in which the fastest material moves by " +
-                  number(readout * most, 2) + " px; all vectors were brought to the time of the middle row (camera.row_time_s).");
+    out.push_back({"Rows are read one after the other, in " + number(readout, 3) + " s an image, in which the fastest material moves by " +
+                  number(readout * most, 2) + " px; all vectors were brought to the time of the middle row (camera.row_time_s)."});
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/study/pipeline/scene/scene.hpp"
+#include "pivnp/core/record/remark.hpp"
 #include "pivnp/image/frames/frames.hpp"
 
 namespace pivnp::app {
@@ -45,7 +46,7 @@ class RowClock {
 
 /// How far the fastest material moves while a picture is exposed and read: one sentence each where exposure_s or row_time_s is
 /// given. `pair`: of frames k and k + 1.
-std::vector<std::string> shutter_remarks(const Case& c, const Setting& setting, const std::vector<Frame>& frames, std::size_t pairs,
+std::vector<Remark> shutter_remarks(const Case& c, const Setting& setting, const std::vector<Frame>& frames, std::size_t pairs,
                                          const std::function<VectorField(std::size_t)>& pair);
 
 }  // namespace pivnp::app

@@ -8,7 +8,7 @@
 
 #include "apps/report/animation.hpp"
 #include "apps/report/report.hpp"
-#include "apps/study/pipeline/record/outcome.hpp"
+#include "apps/study/pipeline/record/remarks.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"
@@ -88,7 +88,11 @@ std::vector<std::pair<std::string, std::string>> setup_of(const Case& c, const i
   if (record.pair_count() == 0) return rows;
   const std::vector<Frame>& frames = record.frames();
   std::string text = std::to_string(frames.size());
-  if (record.head().time_unit == "s" && frames.size() > 1)
+  const bool twos = c.frames && c.frames->pairs == image::FramePairs::twos;
+  if (twos) text += ", two exposures a pair";
+  if (twos && c.frames->rate_hz)
+    text += " " + number(*c.frames->pair_time_s, 4) + " s apart, " + number(*c.frames->rate_hz, 4) + " pairs a second";
+  else if (!twos && record.head().time_unit == "s" && frames.size() > 1)
     text += ", " + number(double(frames.size() - 1) / (frames.back().time - frames.front().time), 4) + " a second";
   rows.emplace_back("Frames", text);
   if (c.vectors) {
@@ -171,24 +175,13 @@ void write_animation(const Case& c, const io::RecordReader& record, const report
   video.finish();
 }
 
-}  // namespace
-
-void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison,
-                     image::FrameSource* source, const fs::path& directory) {
-  const io::RecordReader record(outcome.record, io::Trust::known);  // just written, or read before
+void draw_report(const Case& c, const io::RecordReader& record, RunOutcome& outcome, std::optional<Comparison> comparison,
+                 image::FrameSource* source, const fs::path& directory) {
   report::ReportInput input;
   input.name = c.name;
   input.record = &record;
-  for (const std::string& name : record.motion_names())
-    for (std::string& remark : remarks_on_heat(*record.motion(name))) outcome.remarks.push_back(std::move(remark));
-  if (c.mpm)
-    for (std::string& remark : remarks_on_energy(record.energy(), c.mpm->damping.value_or(0) > 0))
-      outcome.remarks.push_back(std::move(remark));
   input.remarks = outcome.remarks;
-  if (comparison) {
-    input.notes = comparison->remarks;
-    outcome.remarks.insert(outcome.remarks.end(), comparison->remarks.begin(), comparison->remarks.end());
-  }
+  if (comparison) input.notes = comparison->remarks;
   input.comparison = std::move(comparison);
   input.compared = c.compare;
   input.setup = setup_of(c, record);
@@ -209,8 +202,17 @@ void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Compariso
   if (c.report.animation) write_animation(c, record, report::content_of(c.report, input), source, directory / "animation.mp4");
   outcome.report_html = directory / "report.html";
   outcome.report_pdf = directory / "report.pdf";
-  const std::vector<std::string> flagged = remarks_of(record);  // the report finds these itself
-  outcome.remarks.insert(outcome.remarks.end(), flagged.begin(), flagged.end());
+}
+
+}  // namespace
+
+void tell_record(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison, image::FrameSource* source,
+                 const fs::path& directory, bool draw) {
+  const io::RecordReader record(outcome.record, io::Trust::known);  // just written, or read before
+  for (Remark& remark : remarks_of(record)) outcome.remarks.push_back(std::move(remark));
+  std::vector<std::string> notes = comparison ? comparison->remarks : std::vector<std::string>{};
+  if (draw) draw_report(c, record, outcome, std::move(comparison), source, directory);
+  append(std::move(notes), outcome.remarks);
 }
 
 }  // namespace pivnp::app

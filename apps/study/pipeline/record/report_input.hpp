@@ -10,9 +10,10 @@
 
 namespace pivnp::app {
 
-/// Writes report.html, report.pdf and figures/ into `directory` and names them in `outcome`. `source`: the frames, or
-/// nullptr where they are not to be had (the report then shows vectors without a picture).
-void write_report_of(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison,
-                     image::FrameSource* source, const std::filesystem::path& directory);
+/// Adds to the outcome's remarks what the record and the comparison say. If `draw`, writes report.html, report.pdf and
+/// figures/ into `directory` and names them in `outcome`. `source`: the frames, or nullptr where they are not to be had
+/// (the report then shows vectors without a picture).
+void tell_record(const Case& c, RunOutcome& outcome, std::optional<Comparison> comparison, image::FrameSource* source,
+                 const std::filesystem::path& directory, bool draw);
 
 }  // namespace pivnp::app

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pivnp/core/record/metric.hpp"
+#include "pivnp/core/record/remark.hpp"
 #include "pivnp/core/record/stage_cost.hpp"
 
 namespace pivnp::app {
@@ -22,7 +23,7 @@ struct RunSettings {
 
 struct RunOutcome {
   std::filesystem::path record, report_html, report_pdf;
-  std::vector<std::string> remarks;  // what was flagged and why, one sentence each
+  std::vector<Remark> remarks;
   std::vector<Metric> metrics;       // of the comparison, where there is one
   std::vector<LimitResult> limits;   // one a limit of [compare.limits] that was given; one exceeded gives exit code 3
   RunCost cost;                      // of a run's stages, the report included
