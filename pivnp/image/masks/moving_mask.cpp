@@ -42,8 +42,10 @@ Vec2 middle_of(const std::vector<Vec2>& outline) {
 
 // Rows "frame,right_px,down_px,turn_deg" under that head, by increasing frame.
 std::vector<std::pair<double, CameraPlace>> told_motion(const fs::path& file, const std::string& what) {
-  std::ifstream in(file);
-  if (!in) throw InputError(what + ": '" + file.string() + "' cannot be read");
+  std::error_code ignored;
+  std::ifstream in;
+  if (fs::is_regular_file(file, ignored)) in.open(file);  // a pipe would wait for its writer
+  if (!in.is_open()) throw InputError(what + ": '" + file.string() + "' cannot be read");
   std::string line;
   std::getline(in, line);
   if (!line.empty() && line.back() == '\r') line.pop_back();

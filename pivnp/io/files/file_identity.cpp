@@ -10,6 +10,9 @@
 namespace pivnp::io {
 
 FileIdentity identity_of(const std::filesystem::path& file, std::string name, const Progress& progress) {
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))  // a pipe would wait for its writer
+    throw InputError(file.string() + ": not a file");
   FileIdentity identity{std::move(name), 0, ""};
   std::ifstream in(file, std::ios::binary);
   Hash64 hash;

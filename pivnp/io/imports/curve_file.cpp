@@ -1,14 +1,15 @@
 #include "pivnp/io/imports/curve_file.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
+#include "pivnp/io/imports/read_number.hpp"
 
 namespace pivnp::io {
 
@@ -88,15 +89,14 @@ Curve read_curve(const std::filesystem::path& file, const std::string& column, d
     const std::vector<std::string> cells = cells_of(line, separator);
     const auto value = [&](std::size_t k) {
       if (k >= cells.size() || cells[k].empty() || cells[k] == "nan" || cells[k] == "NaN") return std::nan("");
-      double v = 0;
-      const auto [end, error] = std::from_chars(cells[k].data(), cells[k].data() + cells[k].size(), v);
-      if (error != std::errc() || end != cells[k].data() + cells[k].size())
+      const std::optional<double> v = read_number(cells[k]);
+      if (!v)
         throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) + "', expected a number");
-      if (std::isnan(v)) return v;  // "-nan", "NAN", as some programs write it
-      if (!std::isfinite(v))
+      if (std::isnan(*v)) return *v;  // "-nan", "NAN", as some programs write it
+      if (!std::isfinite(*v))
         throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) +
                          "', expected a finite number, or nan");
-      return v;
+      return *v;
     };
     const double time = value(0) * (counted ? step : 1);
     if (!std::isfinite(time) || (!curve.time.empty() && !(time > curve.time.back())))
