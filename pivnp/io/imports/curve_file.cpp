@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/printable.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
@@ -54,7 +56,7 @@ std::string unit_of(const std::string& name, const std::string& otherwise) {
 }  // namespace
 
 Curve read_curve(const std::filesystem::path& file, const std::string& column, double step) {
-  std::istringstream in(read_text(file));
+  std::istringstream in(text_of_file(file));
   std::string line;
   int number = 0;
   const auto next = [&] {
@@ -82,9 +84,9 @@ Curve read_curve(const std::filesystem::path& file, const std::string& column, d
   const bool counted = first == "frame" || first == "step";
 
   Curve curve;
-  curve.value_name = names[place];
-  curve.value_unit = unit_of(names[place], "1");
-  curve.time_unit = counted ? "s" : unit_of(names[0], "1");
+  curve.value_name = printable(names[place]);
+  curve.value_unit = unit_of(curve.value_name, "1");
+  curve.time_unit = counted ? "s" : unit_of(printable(names[0]), "1");
   while (next()) {
     const std::vector<std::string> cells = cells_of(line, separator);
     const auto value = [&](std::size_t k) {

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
 #include "pivnp/io/imports/read_number.hpp"
@@ -281,7 +282,7 @@ Arrays arrays_of_piece(std::string_view all, std::size_t begin, std::size_t end_
 
 ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files) {
   const std::filesystem::path& file = files.at(0);
-  Arrays arrays = parse_legacy(read_text(file), file.string());
+  Arrays arrays = parse_legacy(text_of_file(file), file.string());
   const std::string name = file.filename().string();
   // Scalars and vectors of one step stand in files of their own.
   for (const auto& [kind, other] : {std::pair{"_MPVector_", "_MPScalar_"}, {"_MPScalar_", "_MPVector_"},
@@ -292,7 +293,7 @@ ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files) {
     sibling.replace(at, std::string(kind).size(), other);
     const std::filesystem::path path = file.parent_path() / sibling;
     if (!std::filesystem::exists(path)) continue;
-    for (auto& [key, array] : parse_legacy(read_text(path), path.string())) arrays.emplace(key, std::move(array));
+    for (auto& [key, array] : parse_legacy(text_of_file(path), path.string())) arrays.emplace(key, std::move(array));
   }
   ImportedState s;
   s.x = pairs(arrays.at("points"));
@@ -306,7 +307,7 @@ ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files) {
 
 ImportedState read_vtu(const std::vector<std::filesystem::path>& files) {
   const std::filesystem::path& file = files.at(0);
-  const std::string text = read_text(file);
+  const std::string text = text_of_file(file);
   const std::string_view all = text;
   if (all.find("<VTKFile") == all.npos) throw InputError(file.string() + ": not a VTK XML file");
   // Of several pieces (one a process, say) the arrays follow one another.

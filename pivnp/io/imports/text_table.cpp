@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
 #include "pivnp/io/imports/read_number.hpp"
@@ -24,7 +25,7 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-TextLines::TextLines(std::filesystem::path file) : file_(std::move(file)), text_(read_text(file_)), rest_(text_) {
+TextLines::TextLines(std::filesystem::path file) : file_(std::move(file)), text_(text_of_file(file_)), rest_(text_) {
   if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
 }
 
