@@ -117,6 +117,10 @@ class Checker : Refusals {
     if (plain && camera.metres_per_pixel && camera.length_unit == "m" && !source_.given("camera.length_unit") && *camera.metres_per_pixel > largest)
       refuse("camera.metres_per_pixel", "found " + toml_text(*camera.metres_per_pixel) + ", expected at most " +
                                             toml_text(largest) + " (m), or another camera.length_unit");
+    constexpr double least = 1e-12, most = 1e12;  // of any unit: variances, of hundredths of a pixel too, are floats
+    if (plain && camera.metres_per_pixel && !(*camera.metres_per_pixel >= least && *camera.metres_per_pixel <= most))
+      refuse("camera.metres_per_pixel", "found " + toml_text(*camera.metres_per_pixel) + ", expected a number from " +
+                                            toml_text(least) + " to " + toml_text(most));
     if (plain) return;
     if (camera.metres_per_pixel)
       refuse("camera.metres_per_pixel", "given together with targets (points_px, points_m); expected one of them");

@@ -1,8 +1,6 @@
 // Reading a case: sections and keys here, what only the whole case shows in checks.cpp.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "apps/case/checks.hpp"
 #include "apps/case/fields.hpp"
@@ -11,6 +9,8 @@
 #include "apps/case/listing.hpp"
 #include "apps/case/sections.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/printable.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
@@ -95,23 +95,14 @@ struct ReadSections {
       demand_table(entry, key, shown);
       if (entry.key.empty())
         throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + ".\"\"]: the name is empty");
+      if (!prints(entry.key))
+        throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + "." + toml_key(entry.key) +
+                         "]: the name holds control characters, expected one that prints");
       list.emplace_back(entry.key, T{});
       read_fields(file, key, entry.value, {}, list.back().second, notes, reading);
     }
   }
 };
-
-std::string read_text(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (stream.peek() != std::ifstream::traits_type::eof()) text << stream.rdbuf();
-  if (!stream || !text) throw InputError(file.string() + ": cannot be read");
-  return text.str();
-}
-
-}  // namespace
-
-namespace {
 
 Case parsed(const Node& root, const std::string& name, const std::filesystem::path& folder, Reading reading) {
   Case c;
@@ -156,10 +147,8 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
     file /= "case.toml";
     if (!fs::exists(file, ignored)) throw InputError(path.string() + ": the folder has no case.toml");
   }
-  if (!fs::exists(file, ignored)) throw InputError(file.string() + ": no such file");
-  if (!fs::is_regular_file(file, ignored)) throw InputError(file.string() + ": not a file");
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  Case c = parse_case(read_text(file), file.string(), folder, given, frames_follow);
+  Case c = parse_case(text_of_file(file), file.string(), folder, given, frames_follow);
   c.file = file;
   if (c.name.empty()) c.name = short_name(c);
   return c;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/printable.hpp"
 #include "pivnp/core/text.hpp"
 
 namespace pivnp::app {
@@ -21,6 +22,8 @@ namespace {
 std::string with_unit(const std::string& words, const OptionInfo& info) {
   return info.unit.empty() ? words : words + " (" + std::string(info.unit) + ")";
 }
+
+const char text_that_prints[] = "text without control characters";
 
 // A finite number of either kind, in range; `expected` names what the whole option takes.
 double number_in(const Place& place, const Node& node, const OptionInfo& info, const std::string& expected) {
@@ -88,6 +91,7 @@ void read_value(const Place& place, const Node& node, const OptionInfo& info, st
     return;
   }
   if (node.kind != Node::Kind::string) refuse(place, place.line, describe(node), with_unit(type_text(value), info));
+  if (!prints(node.text)) refuse(place, place.line, describe(node), text_that_prints);
   value = node.text;
 }
 
@@ -114,6 +118,7 @@ void read_value(const Place& place, const Node& node, const OptionInfo& info, st
   std::vector<std::string> given;
   for (const Node& item : list_in(place, node, expected).list) {
     if (item.kind != Node::Kind::string) refuse(place, item.line, describe(item), expected);
+    if (!prints(item.text)) refuse(place, item.line, describe(item), text_that_prints);
     given.push_back(item.text);
   }
   value = given;

@@ -12,6 +12,7 @@
 #include "apps/cli/session.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/instruction_set.hpp"
+#include "pivnp/core/printable.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/core/version.hpp"
 
@@ -25,7 +26,7 @@ constexpr int success = 0, failed = 1, bad_input = 2, interrupted = 130;
 std::string quoted(int argc, const char* const* argv) {
   std::string typed;
   for (int k = 0; k < argc; ++k) {
-    const std::string word = k == 0 ? std::filesystem::path(argv[0]).filename().string() : std::string(argv[k]);
+    const std::string word = k == 0 ? std::filesystem::path(argv[0]).filename().string() : printable(argv[k]);
     const bool plain = !word.empty() && word.find_first_not_of(
                                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                             "0123456789_-+=./:,@%") == std::string::npos;
@@ -43,8 +44,8 @@ std::string quoted(int argc, const char* const* argv) {
 std::string one_line(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
   for (char& c : text)
-    if (c == '\n' || c == '\r') c = ' ';
-  return text;
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
+  return printable(text);
 }
 
 // However long the names are that a message quotes.
@@ -167,6 +168,11 @@ int guarded(int argc, const char* const* argv, Session& session) {
   } catch (const InputError& error) {
     print_error(session.err, error.what());
     return bad_input;
+  } catch (const std::filesystem::filesystem_error& error) {
+    print_error(session.err, error.path1().string() + ": " + error.code().message());
+    // A name that no file can have is given, not met.
+    const bool named = error.code() == std::errc::filename_too_long || error.code() == std::errc::too_many_symbolic_link_levels;
+    return named ? bad_input : failed;
   } catch (const std::bad_alloc&) {
     print_error(session.err, "out of memory");
   } catch (const std::exception& error) {  // RunError, the file system's and what libraries throw

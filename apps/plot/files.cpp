@@ -27,7 +27,7 @@ void write_file(const std::filesystem::path& file, std::string_view bytes) {
     ::unlink(temporary.c_str());
     throw RunError("cannot write " + file.string() + ": " + std::strerror(cause));
   };
-  const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (fd < 0) fail(errno);
   while (!bytes.empty()) {
     const ssize_t written = ::write(fd, bytes.data(), bytes.size());

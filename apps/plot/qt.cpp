@@ -15,14 +15,34 @@
 
 namespace pivnp::plot {
 
+namespace {
+
+// A folder that nobody else can have made before, as long as the process lives.
+class OwnCache {
+ public:
+  OwnCache() {
+    std::error_code none;
+    folder_ = (std::filesystem::temp_directory_path(none) / "pivnp-XXXXXX").string();
+    if (none || ::mkdtemp(folder_.data()) == nullptr) folder_.clear();
+    else ::setenv("XDG_CACHE_HOME", folder_.c_str(), 1);
+  }
+  ~OwnCache() {
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+  }
+  OwnCache(const OwnCache&) = delete;
+  OwnCache& operator=(const OwnCache&) = delete;
+
+ private:
+  std::string folder_;
+};
+
+}  // namespace
+
 void start_qt() {
   if (QCoreApplication::instance() != nullptr) return;
   // A record may be reported on by a service without a home; fontconfig then looks for a place for its cache.
-  if (std::getenv("HOME") == nullptr && std::getenv("XDG_CACHE_HOME") == nullptr) {
-    std::error_code none;
-    const std::filesystem::path temporary = std::filesystem::temp_directory_path(none);
-    if (!none) ::setenv("XDG_CACHE_HOME", (temporary / "pivnp-cache").c_str(), 0);
-  }
+  if (std::getenv("HOME") == nullptr && std::getenv("XDG_CACHE_HOME") == nullptr) static const OwnCache cache;
   const char* before = std::setlocale(LC_ALL, nullptr);
   const std::string locale = before == nullptr ? "C" : before;
   // On the command line of Qt, so that a platform from the environment that cannot be reached does not end the program.

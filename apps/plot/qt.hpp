@@ -9,12 +9,13 @@
 #include <QString>
 
 #include "apps/plot/painter.hpp"
+#include "pivnp/core/printable.hpp"
 
 namespace pivnp::plot {
 
 QColor qt_colour(Rgb rgb, int alpha = 255);
 QFont qt_font(double points, bool bold = false);
 QPen qt_pen(const Pen& pen);
-inline QString qt(const std::string& text) { return QString::fromStdString(text); }
+inline QString qt(const std::string& text) { return QString::fromStdString(printable(text, true)); }
 
 }  // namespace pivnp::plot

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 #include <string>
 #include <utility>
@@ -89,8 +90,8 @@ struct Include {
   bool quoted;
 };
 
-std::vector<Include> includes() {
-  std::vector<Include> found;
+// Calls `see(file, line)` for all lines of the project's C++.
+void for_each_line(const auto& see) {
   const fs::path root = PIVNP_SOURCE_DIR;
   for (const char* top : {"pivnp", "mpm", "compare", "apps", "python"})
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
@@ -99,13 +100,18 @@ std::vector<Include> includes() {
       const std::string file = fs::relative(entry.path(), root).string();
       std::ifstream in(entry.path());
       std::string text;
-      while (std::getline(in, text)) {
-        const std::size_t open = text.find_first_of("<\"");
-        if (!text.starts_with("#include") || open == std::string::npos) continue;
-        const std::size_t close = text.find_first_of(">\"", open + 1);
-        found.push_back({file, folder_of(file), text.substr(open + 1, close - open - 1), text[open] == '"'});
-      }
+      while (std::getline(in, text)) see(file, text);
     }
+}
+
+std::vector<Include> includes() {
+  std::vector<Include> found;
+  for_each_line([&](const std::string& file, const std::string& text) {
+    const std::size_t open = text.find_first_of("<\"");
+    if (!text.starts_with("#include") || open == std::string::npos) return;
+    const std::size_t close = text.find_first_of(">\"", open + 1);
+    found.push_back({file, folder_of(file), text.substr(open + 1, close - open - 1), text[open] == '"'});
+  });
   return found;
 }
 
@@ -175,6 +181,18 @@ TEST(Architecture, VendorsStayInTheirFolders) {
         EXPECT_TRUE(folders.contains(i.folder)) << i.file << " includes <" << i.target << ">";
       }
   }
+}
+
+// A pipe or a device that is opened to read holds the program up for ever: pivnp/core/regular_file.hpp.
+TEST(Architecture, FilesAreOpenedToReadByOneFunction) {
+  const std::regex opens(R"re(ifstream( \w+)?[({]\s*[^"& ]|\bfopen\([^)]*"rb?"|\bimread\(|\bi?fstream \w+;)re");
+  int seen = 0;
+  for_each_line([&](const std::string& file, const std::string& line) {
+    seen += line.find("open_regular_file(") != line.npos;
+    if (file.starts_with("pivnp/core/regular_file.")) return;
+    EXPECT_FALSE(std::regex_search(line, opens)) << file << ": " << line;
+  });
+  EXPECT_GT(seen, 9);
 }
 
 TEST(Architecture, HeadersShowVendorsToTheirFoldersOnly) {

@@ -16,6 +16,7 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/hash.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/core/version.hpp"
 
 namespace pivnp::app {
@@ -39,7 +40,8 @@ std::string key_of(const MapPlan& plan, std::size_t i, std::size_t j) {
 
 std::map<std::string, Survival> read_kept(const std::filesystem::path& file) {
   std::map<std::string, Survival> found;
-  std::ifstream in(file);
+  if (!std::filesystem::exists(file)) return found;
+  std::ifstream in = open_regular_file(file);
   std::string line;
   while (std::getline(in, line)) {
     std::istringstream words(line);

@@ -169,9 +169,7 @@ std::vector<std::string> check_filters(const Case& c, Setting& setting, image::F
   constexpr int side = 600;
   const FilterTrials trials = try_filters(c, setting, source, settings.threads, progress);
   const std::filesystem::path folder = settings.out / "check_filters";
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) throw RunError(folder.string() + ": " + failed.message());
+  std::filesystem::create_directories(folder);
   const auto show = [&](const image::FilterOptions& options, const std::string& name) {
     const Image frame = filter_of(options, source)(source.read(0));
     const int width = std::min(side, frame.width()), height = std::min(side, frame.height());

@@ -138,9 +138,7 @@ std::vector<fs::path> export_record(const fs::path& given, const fs::path& out, 
   const fs::path file = fs::is_directory(given) ? given / "record.h5" : given;
   const io::RecordReader record(file);
   const fs::path directory = out.empty() ? file.parent_path() / "export" : out;
-  std::error_code failed;
-  fs::create_directories(directory, failed);
-  if (failed) throw RunError(directory.string() + ": " + failed.message());
+  fs::create_directories(directory);
   return vtkhdf ? io::export_vtkhdf(record, options, directory) : io::export_csv(record, options, directory);
 }
 

@@ -65,9 +65,7 @@ class Run {
     simulates = c_.mpm && (stages == Stages::all || stages == Stages::simulate);
     if (!measures && !simulates)
       throw InputError(of_file(c_) + ": there is nothing to do, as there are neither frames nor [mpm]");
-    std::error_code failed;
-    fs::create_directories(settings.out, failed);
-    if (failed) throw RunError(settings.out.string() + ": " + failed.message());
+    fs::create_directories(settings.out);
     lock_ = std::make_shared<io::DirectoryLock>(settings.out);
     if (measures || c_.frames || c_.vectors) open_frames();
     setting_ = make_setting(c_, source_ ? source_->width() : 0, source_ ? source_->height() : 0, vectors_.get());

@@ -9,12 +9,12 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <thread>
 
 #include "apps/plot/files.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 
 namespace pivnp::app {
 
@@ -26,7 +26,7 @@ pid_t start(const SweepJob& job) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0644);
   posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
   std::vector<char*> words;
   for (const std::string& word : job.words) words.push_back(const_cast<char*>(word.c_str()));
@@ -45,7 +45,7 @@ pid_t start(const SweepJob& job) {
 
 // The line of the log that says why.
 std::string message_in(const std::filesystem::path& log, int status) {
-  std::ifstream in(log);
+  std::ifstream in = open_regular_file(log);
   std::string found, last;
   for (std::string line; std::getline(in, line);) {
     if (!line.empty()) last = line;

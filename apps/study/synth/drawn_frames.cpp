@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <sstream>
 #include <utility>
 
+#include "apps/plot/files.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/core/version.hpp"
 #include "pivnp/io/records/record.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const note_name = "drawn.txt";
+const char *const note_name = "drawn.txt", *const journal_name = "drawing.txt";
 const std::string case_line = "case\n";
 
 bool named_like_ours(const std::string& name) { return name.starts_with("frame_") && name.ends_with(".png"); }
@@ -29,22 +30,7 @@ std::vector<fs::path> frames_in(const fs::path& folder) {
   return found;
 }
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (in.peek() != std::ifstream::traits_type::eof()) text << in.rdbuf();
-  return text.str();
-}
-
-// All of it or nothing, whenever the program is killed.
-void write_note(const fs::path& file, const std::string& text) {
-  const fs::path temporary = file.string() + ".tmp";
-  std::ofstream out(temporary, std::ios::binary);
-  out << text << std::flush;
-  if (!out) throw RunError(file.string() + ": cannot be written");
-  out.close();
-  fs::rename(temporary, file);
-}
+std::string note_of(const fs::path& file) { return fs::exists(file) ? text_of_file(file) : ""; }
 
 // Wherever the frames come to lie, and whether or not the case speaks of them, they are drawn alike.
 std::string drawn_from(Case c) {
@@ -52,15 +38,6 @@ std::string drawn_from(Case c) {
   c.frames->path.clear();
   if (!c.frames->rate_hz) c.frames->rate_hz = 1.0;
   return write_case(c);
-}
-
-// Whether a note speaks of a frame: names it, or, where the drawing was not finished, would have come to draw it.
-bool speaks_of(const std::string& note, const std::string& name) {
-  if (note.find("\n" + name + " ") != std::string::npos) return true;
-  const std::size_t head_end = note.find('\n');
-  const bool unfinished = head_end != std::string::npos && note.compare(head_end + 1, case_line.size(), case_line) == 0;
-  const std::string number = name.size() > 10 ? name.substr(6, name.size() - 10) : "";  // frame_NUMBER.png
-  return unfinished && number.size() >= 5 && number.find_first_not_of("0123456789") == std::string::npos;
 }
 
 std::string line_of(const io::FileIdentity& file) {
@@ -83,7 +60,7 @@ std::string DrawnFrames::head() const {
 }
 
 bool DrawnFrames::complete() const {
-  const std::string note = text_of(folder_ / note_name);
+  const std::string note = note_of(folder_ / note_name);
   if (note.empty()) return false;
   const std::string advice = "; run without --resume to draw them again";
   if (!note.starts_with(head()))
@@ -100,25 +77,39 @@ bool DrawnFrames::complete() const {
 }
 
 void DrawnFrames::begin() const {
-  std::error_code failed;
-  fs::create_directories(folder_, failed);
-  if (failed) throw RunError(folder_.string() + ": " + failed.message());
+  fs::create_directories(folder_);
   const std::vector<fs::path> frames = frames_in(folder_);
-  const std::string note = text_of(folder_ / note_name);
+  const std::string note = note_of(folder_ / note_name);
+  std::string journal = "\n";
+  journal += note_of(folder_ / journal_name);
+  const auto named = [&](const std::string& name) {
+    return note.find("\n" + name + " ") != std::string::npos || journal.find("\n" + name + "\n") != std::string::npos;
+  };
   for (const fs::path& frame : frames)
-    if (!speaks_of(note, frame.filename().string()))
+    if (!named(frame.filename().string()))
       throw InputError(frame.string() + ": there before, and not drawn by this program (" +
                        (note.empty() ? folder_.string() + " holds no " + note_name
                                      : (folder_ / note_name).string() + " does not name it") +
                        "); expected a folder without such frames: choose another --out, or move them away");
-  write_note(folder_ / note_name, head() + case_line + case_text_);  // none is finished yet
+  std::string old;
+  for (const fs::path& frame : frames) old += frame.filename().string() + "\n";
+  plot::write_file(folder_ / journal_name, old);
+  plot::write_file(folder_ / note_name, head() + case_line + case_text_);  // none is finished yet
   for (const fs::path& frame : frames) fs::remove(frame);
+  fs::remove(folder_ / journal_name);
+}
+
+void DrawnFrames::draws(int frame) const {
+  std::ofstream out(folder_ / journal_name, std::ios::binary | std::ios::app);
+  out << name(frame) << '\n' << std::flush;
+  if (!out) throw RunError((folder_ / journal_name).string() + ": cannot be written");
 }
 
 void DrawnFrames::finish() const {
   std::string note = head();
   for (int k = 0; k < count_; ++k) note += line_of(io::identity_of(folder_ / name(k), name(k)));
-  write_note(folder_ / note_name, note + case_line + case_text_);
+  plot::write_file(folder_ / note_name, note + case_line + case_text_);
+  fs::remove(folder_ / journal_name);
 }
 
 }  // namespace pivnp::app

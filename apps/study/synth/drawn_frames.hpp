@@ -9,7 +9,8 @@
 
 namespace pivnp::app {
 
-/// FOLDER/drawn.txt says of which case, by which program, and (once all are drawn) which files with which content.
+/// FOLDER/drawn.txt says of which case, by which program, and (once all are drawn) which files with which content. Until
+/// then FOLDER/drawing.txt names those that are drawn.
 class DrawnFrames {
  public:
   DrawnFrames(const Case& c, std::filesystem::path folder);
@@ -23,6 +24,8 @@ class DrawnFrames {
   bool complete() const;
   /// Removes frames that were drawn there before. Throws InputError where frames lie that were not drawn.
   void begin() const;
+  /// A frame that is about to be drawn is this program's, whenever it is killed.
+  void draws(int frame) const;
   void finish() const;
 
  private:

@@ -116,6 +116,7 @@ class Drawing {
   void put(int k, const std::vector<Vec2>& texture, const std::vector<Mat2>& shapes, const std::vector<Vec2>& seeds,
            const std::vector<Mat2>& F) {
     const std::string name = DrawnFrames::name(k);
+    drawn_.draws(k);
     image::write_image(renderer_.draw(filmed(k, texture), k, synth_.frames, with_still(shapes)).view(), drawn_.folder() / name);
     frames_.push_back({name, times_[std::size_t(k)], frame_ok});
     writer_.add_frame("truth", truth_frame(times_[std::size_t(k)], particles_, seeds, F));

@@ -39,6 +39,8 @@ std::uint32_t crc32(Bytes data) {
 }
 
 std::optional<std::string> png_defect(Bytes file) {
+  if (file.size() >= 24)
+    if (auto many = too_many_pixels(big32(&file[16]), big32(&file[20]))) return many;
   std::size_t at = 8;
   while (at + 12 <= file.size()) {
     const std::size_t length = big32(&file[at]);
@@ -82,6 +84,10 @@ std::optional<std::string> jpeg_defect(Bytes file) {
     if (at + 3 >= file.size()) break;
     const std::size_t length = std::size_t(file[at + 2]) << 8 | file[at + 3];
     if (length < 2) return "damaged: a JPEG segment of impossible length";
+    const bool frame = code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
+    if (frame && at + 8 < file.size())
+      if (auto many = too_many_pixels(std::uint64_t(file[at + 7]) << 8 | file[at + 8], std::uint64_t(file[at + 5]) << 8 | file[at + 6]))
+        return many;
     at += 2 + length;
     if (code == sos) {
       scanned = true;
@@ -99,6 +105,7 @@ std::optional<std::string> bmp_defect(Bytes file) {
   if (file.size() < 14 + std::size_t(header)) return "truncated: the BMP ends within its header";
   const std::uint64_t width = little32(&file[18]);
   const std::uint64_t height = std::uint64_t(std::abs(std::int64_t(std::int32_t(little32(&file[22])))));
+  if (auto many = too_many_pixels(width, height)) return many;
   const std::uint64_t bits = std::uint64_t(file[28]) | std::uint64_t(file[29]) << 8;
   const std::uint32_t compression = little32(&file[30]);
   const bool plain = compression == 0 || compression == 3;
@@ -148,6 +155,7 @@ std::optional<std::string> pnm_defect(Bytes file) {
   const PnmHeader header = pnm_header(file);
   if (header.raster == 0) return "truncated: the PNM ends within its header";
   const std::uint64_t width = std::uint64_t(header.width), height = std::uint64_t(header.height);
+  if (auto many = too_many_pixels(width, height)) return many;
   const std::uint64_t sample = header.maxval > 255 ? 2 : 1;
   const std::uint64_t numbers = width * height * (file[1] == '2' ? 1 : file[1] == '3' ? 3 : 0);
   if (numbers > 0 && count_words(file.subspan(header.raster)) < numbers)
@@ -163,6 +171,12 @@ std::optional<std::string> pnm_defect(Bytes file) {
 }
 
 }  // namespace
+
+std::optional<std::string> too_many_pixels(std::uint64_t width, std::uint64_t height) {
+  constexpr std::uint64_t most = std::uint64_t{1} << 28;
+  if (width == 0 || height <= most / width) return std::nullopt;
+  return "of " + std::to_string(width) + " x " + std::to_string(height) + " pixels, more than 268 million";
+}
 
 ImageFormat image_format(Bytes file) {
   using namespace std::string_view_literals;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,7 +24,12 @@ ImageFormat image_format(Bytes file);
 ///  tiff  tags and pixels of the first page lie inside the file (TIFF 6.0, BigTIFF); more full-size pages are refused
 ///  webp  the length in its RIFF header
 ///  pnm   the raster of P2 to P6 lies inside the file
+/// All of these: no more than 2^28 pixels.
 std::optional<std::string> image_defect(Bytes file);
+
+/// More pixels than a picture may have: a few bytes of a packed format ask for any amount of memory. Nothing, or "of 70000
+/// x 60000 pixels, more than 268 million".
+std::optional<std::string> too_many_pixels(std::uint64_t width, std::uint64_t height);
 
 /// The part of image_defect() for TIFF.
 std::optional<std::string> tiff_defect(Bytes file);

@@ -1,16 +1,18 @@
 #include "pivnp/image/files/image_file.hpp"
 
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/image/files/image_check.hpp"
 
 namespace pivnp::image {
@@ -19,16 +21,35 @@ namespace {
 
 std::vector<unsigned char> bytes_of(const std::filesystem::path& file, const std::string& what) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw InputError(what + ": '" + file.string() + "' does not exist");
-  if (!std::filesystem::is_regular_file(file, error))
-    throw InputError(what + ": '" + file.string() + "' is not a file");
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_regular_file(file, what + ": '" + file.string() + "'");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   std::vector<unsigned char> bytes(error ? 0 : std::size_t(size));
   if (in) in.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()));
   if (error || !in) throw InputError(what + ": '" + file.string() + "' cannot be read (permission, or a read error)");
   return bytes;
 }
+
+// While one of these lives, what libpng and libjpeg print of a file goes nowhere: our own line says what is wrong with it.
+// C's stderr alone changes; std::cerr, which the program itself writes to, keeps what it had.
+class QuietLibraries {
+ public:
+  QuietLibraries() {
+    const std::lock_guard lock(mutex_);
+    static std::FILE* const nowhere = std::fopen("/dev/null", "w");
+    if (nowhere && alive_++ == 0) said_ = std::exchange(stderr, nowhere);
+  }
+  ~QuietLibraries() {
+    const std::lock_guard lock(mutex_);
+    if (said_ && --alive_ == 0) stderr = std::exchange(said_, nullptr);
+  }
+  QuietLibraries(const QuietLibraries&) = delete;
+  QuietLibraries& operator=(const QuietLibraries&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  static inline int alive_ = 0;
+  static inline std::FILE* said_ = nullptr;
+};
 
 cv::Mat decoded(std::vector<unsigned char>& bytes) {
   const ImageFormat format = image_format(bytes);
@@ -37,6 +58,7 @@ cv::Mat decoded(std::vector<unsigned char>& bytes) {
   // A JPEG's luma channel is the BT.601 luma; other colour images are converted by one formula for all formats.
   const int flags =
       format == ImageFormat::jpeg ? cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION : cv::IMREAD_UNCHANGED;
+  const QuietLibraries quiet;
   try {
     return cv::imdecode(bytes, flags);
   } catch (const cv::Exception&) {
@@ -72,12 +94,17 @@ void silence_vendor_messages() {
   std::call_once(once, [] {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // AV_LOG_QUIET; read by OpenCV when it first opens a video
+    // Containers that hold their frames themselves: a playlist would have other files opened, or places of the net.
+    ::setenv("OPENCV_FFMPEG_CAPTURE_OPTIONS",
+             "protocol_whitelist;file|format_whitelist;mov,avi,matroska,mpeg,mpegts,mpegvideo,m4v,h264,hevc,asf,flv,ogg,mxf,"
+             "dv,gif,ivf,nut,yuv4mpegpipe,mjpeg,apng",
+             1);
   });
 }
 
 bool looks_like_image(const std::filesystem::path& file) {
   unsigned char head[16] = {};
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_regular_file(file);
   in.read(reinterpret_cast<char*>(head), sizeof head);
   if (image_format(Bytes(head, std::size_t(in.gcount()))) != ImageFormat::unknown) return true;
   silence_vendor_messages();

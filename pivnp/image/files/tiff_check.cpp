@@ -8,7 +8,7 @@ namespace pivnp::image {
 
 namespace {
 
-constexpr int tag_subfile_type = 254, tag_compression = 259, tag_strip_offsets = 273, tag_orientation = 274,
+constexpr int tag_subfile_type = 254, tag_width = 256, tag_height = 257, tag_compression = 259, tag_strip_offsets = 273, tag_orientation = 274,
               tag_strip_bytes = 279, tag_tile_offsets = 324, tag_tile_bytes = 325;
 
 struct Entry {
@@ -116,6 +116,9 @@ std::optional<std::string> tiff_defect(Bytes file) {
   if (!data_inside(reader, first, file.size(), tag_strip_offsets, tag_strip_bytes) ||
       !data_inside(reader, first, file.size(), tag_tile_offsets, tag_tile_bytes))
     return "truncated: the TIFF's pixels lie beyond its end";
+  const std::vector<std::uint64_t> width = reader.values(first, tag_width), height = reader.values(first, tag_height);
+  if (!width.empty() && !height.empty())
+    if (auto many = too_many_pixels(width[0], height[0])) return many;
 
   // A second page that is no preview is a frame that would be lost without a word.
   std::uint64_t at = first.next;

@@ -38,6 +38,8 @@ void VideoWriter::add_png(const std::string& png) {
   if (picture.empty()) throw RunError(impl_->file.string() + ": a frame of the video is no picture");
   picture = picture(cv::Rect(0, 0, picture.cols / 2 * 2, picture.rows / 2 * 2)).clone();
   if (!impl_->begun) {
+    std::error_code none_there;
+    std::filesystem::remove(impl_->temporary, none_there);  // a link would be written through
     impl_->begun = true;
     impl_->size = picture.size();
     bool opened = false;

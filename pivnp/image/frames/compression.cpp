@@ -4,9 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <numbers>
 #include <vector>
+
+#include "pivnp/core/regular_file.hpp"
 
 namespace pivnp::image {
 
@@ -120,7 +121,7 @@ int own_quality(const Values& values) {
 }  // namespace
 
 std::optional<int> jpeg_quality(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_regular_file(file);
   std::vector<unsigned char> head(std::size_t(1) << 16);
   in.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));
   head.resize(std::size_t(in.gcount()));

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <opencv2/core.hpp>
@@ -11,6 +10,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/image/files/image_file.hpp"
 #include "pivnp/image/frames/filter.hpp"
 #include "pivnp/image/frames/sources.hpp"
@@ -26,7 +26,7 @@ struct Header {
   std::size_t size = 0;
 
   explicit Header(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
+    std::ifstream in = open_regular_file(file, frames_key + ": '" + file.string() + "'");
     in.read(bytes, sizeof bytes);
     size = std::size_t(in.gcount());
   }

@@ -1,10 +1,10 @@
 // Whether a video file is whole, as far as its container says. A decoder takes what is there and stays silent.
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/image/frames/sources.hpp"
 
 namespace pivnp::image {
@@ -81,7 +81,7 @@ std::optional<std::string> packets_defect(std::ifstream& in, std::uint64_t size)
 std::optional<std::string> video_defect(const std::filesystem::path& file) {
   std::error_code failed;
   const std::uint64_t size = std::filesystem::file_size(file, failed);
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_regular_file(file);
   unsigned char head[12] = {};
   in.read(reinterpret_cast<char*>(head), sizeof head);
   if (failed || in.gcount() < std::streamsize(sizeof head)) return std::nullopt;

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <numbers>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/region.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/image/files/frame_files.hpp"
 #include "pivnp/image/files/image_file.hpp"
 #include "pivnp/image/masks/raster.hpp"
@@ -42,8 +42,7 @@ Vec2 middle_of(const std::vector<Vec2>& outline) {
 
 // Rows "frame,right_px,down_px,turn_deg" under that head, by increasing frame.
 std::vector<std::pair<double, CameraPlace>> told_motion(const fs::path& file, const std::string& what) {
-  std::ifstream in(file);
-  if (!in) throw InputError(what + ": '" + file.string() + "' cannot be read");
+  std::ifstream in = open_regular_file(file, what + ": '" + file.string() + "'");
   std::string line;
   std::getline(in, line);
   if (!line.empty() && line.back() == '\r') line.pop_back();

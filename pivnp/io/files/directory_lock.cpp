@@ -21,7 +21,7 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory) {
                      (failed ? failed.message() : "a file of that name is there") +
                      "; expected a directory to write to");
   const std::filesystem::path file = directory / ".lock";
-  descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor_ < 0) throw RunError(write_failure(file, errno));
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
   const int error = errno;

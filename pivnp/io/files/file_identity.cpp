@@ -1,17 +1,17 @@
 #include "pivnp/io/files/file_identity.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <utility>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/hash.hpp"
+#include "pivnp/core/regular_file.hpp"
 
 namespace pivnp::io {
 
 FileIdentity identity_of(const std::filesystem::path& file, std::string name, const Progress& progress) {
   FileIdentity identity{std::move(name), 0, ""};
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = open_regular_file(file);
   Hash64 hash;
   std::vector<char> block(std::size_t{1} << 18);
   while (in) {

@@ -42,7 +42,7 @@ void rename_file(const std::filesystem::path& from, const std::filesystem::path&
 void write_text_file(const std::filesystem::path& path, const std::string& text) {
   const std::filesystem::path temporary = path.string() + ".tmp";
   try {
-    const Descriptor d{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
+    const Descriptor d{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666)};
     if (d.value < 0) throw RunError(write_failure(temporary, errno));
     write_all(d.value, text, temporary);
   } catch (...) {

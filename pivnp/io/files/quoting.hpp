@@ -7,7 +7,7 @@
 namespace pivnp::io {
 
 /// The first `most` bytes of a text, with question marks for what does not print.
-std::string printable(std::string_view text, std::size_t most);
+std::string printable_part(std::string_view text, std::size_t most);
 
 /// At most 40 characters, those that print, and dots for the rest.
 std::string shown(std::string_view text);

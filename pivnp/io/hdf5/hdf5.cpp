@@ -1,9 +1,13 @@
 #include "pivnp/io/hdf5/hdf5.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <limits>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/printable.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/hdf5/hdf5_internal.hpp"
 
@@ -40,6 +44,32 @@ std::size_t product(const Shape& shape, std::size_t from) {
 void silence() {
   static const bool done = [] { return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
   (void)done;
+}
+
+bool reads(hid_t type) {
+  const auto is_one_of = [&](std::initializer_list<hid_t> kinds) {
+    return std::any_of(kinds.begin(), kinds.end(), [&](hid_t kind) { return H5Tequal(type, kind) > 0; });
+  };
+  switch (H5Tget_class(type)) {
+    case H5T_INTEGER:
+      return is_one_of({H5T_STD_I8LE, H5T_STD_U8LE, H5T_STD_I16LE, H5T_STD_U16LE, H5T_STD_I32LE, H5T_STD_U32LE, H5T_STD_I64LE,
+                        H5T_STD_U64LE, H5T_STD_I8BE, H5T_STD_U8BE, H5T_STD_I16BE, H5T_STD_U16BE, H5T_STD_I32BE, H5T_STD_U32BE,
+                        H5T_STD_I64BE, H5T_STD_U64BE});
+    case H5T_FLOAT: return is_one_of({H5T_IEEE_F32LE, H5T_IEEE_F64LE, H5T_IEEE_F32BE, H5T_IEEE_F64BE});
+    case H5T_STRING: return true;
+    case H5T_ENUM: {
+      const Handle base(H5Tget_super(type), H5Tclose);
+      return base && reads(base.get());
+    }
+    case H5T_COMPOUND:
+      for (unsigned k = 0; k < unsigned(std::max(0, H5Tget_nmembers(type))); ++k) {
+        const Handle member(H5Tget_member_type(type, k), H5Tclose);
+        const H5T_class_t kind = H5Tget_class(member.get());
+        if (kind == H5T_STRING || kind == H5T_COMPOUND || !reads(member.get())) return false;
+      }
+      return true;
+    default: return false;
+  }
 }
 
 Handle text_type() {
@@ -113,7 +143,22 @@ void Dataset::expect(const Shape& expected) const {
     throw InputError(label_ + ": has shape " + shape_text(shape_) + ", expected " + shape_text(expected));
 }
 
+void Dataset::expect_room(std::size_t value_bytes) const {
+  const double bytes = double(product(shape_)) * double(value_bytes),
+               memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE));
+  if (bytes > memory)
+    throw InputError(label_ + ": has shape " + shape_text(shape_) + ", more than this machine's memory holds");
+}
+
+void Dataset::expect_values() const {
+  const Handle type(H5Dget_type(id_.get()), H5Tclose), properties(H5Dget_create_plist(id_.get()), H5Pclose);
+  if (!reads(type.get())) throw InputError(label_ + ": of a kind that is not read, expected numbers or text");
+  if (H5Pget_layout(properties.get()) == H5D_VIRTUAL || H5Pget_external_count(properties.get()) != 0)
+    throw InputError(label_ + ": its values stand elsewhere, expected them in the dataset itself");
+}
+
 void Dataset::read(Type type, std::size_t first, std::size_t count, void* out) const {
+  expect_values();
   if (shape_.empty()) {
     if (H5Dread(id_.get(), memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, out) < 0) unreadable(label_);
     return;
@@ -134,9 +179,7 @@ void Dataset::read(Type type, std::size_t first, std::size_t count, void* out) c
 
 Source::Source(const std::filesystem::path& path) : name_(path.string()) {
   silence();
-  if (!std::filesystem::exists(path)) throw InputError(name_ + ": no such file");
-  if (std::filesystem::is_directory(path)) throw InputError(name_ + ": is a directory, expected an HDF5 file");
-  if (!std::filesystem::is_regular_file(path)) throw InputError(name_ + ": not a file, expected an HDF5 file");
+  expect_regular_file(path, name_);
   if (H5Fis_hdf5(name_.c_str()) <= 0) throw InputError(name_ + ": not an HDF5 file, expected a record of pivnp");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
 #if H5_VERSION_GE(1, 10, 7)
@@ -180,6 +223,8 @@ Handle open_attribute(const Source& source, const std::string& object, const std
   if (!source.has_attribute(object, name)) throw InputError(label + " is missing");
   Handle id(H5Aopen_by_name(source.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   if (!id) unreadable(label);
+  const Handle type(H5Aget_type(id.get()), H5Tclose);
+  if (!reads(type.get())) throw InputError(label + " is of a kind that is not read, expected numbers or text");
   return id;
 }
 
@@ -191,7 +236,9 @@ std::string Source::attribute_text(const std::string& object, const std::string&
   const Handle space(H5Aget_space(id.get()), H5Sclose), type(H5Aget_type(id.get()), H5Tclose);
   const auto texts =
       read_texts(space.get(), type.get(), label, [&](hid_t t, void* out) { return H5Aread(id.get(), t, out); });
-  return texts.empty() ? "" : texts[0];
+  const std::string text = texts.empty() ? "" : texts[0];
+  if (!prints(text)) throw InputError(label + " holds control characters, expected text that prints");
+  return text;
 }
 
 std::vector<double> Source::attribute_numbers(const std::string& object, const std::string& name) const {
@@ -211,6 +258,7 @@ double Source::attribute_number(const std::string& object, const std::string& na
 
 std::vector<std::string> Source::texts(const std::string& path) const {
   const Dataset d = dataset(path);
+  d.expect_values();
   const Handle space(H5Dget_space(d.id()), H5Sclose), type(H5Dget_type(d.id()), H5Tclose);
   return read_texts(space.get(), type.get(), d.label(),
                     [&](hid_t t, void* out) { return H5Dread(d.id(), t, H5S_ALL, H5S_ALL, H5P_DEFAULT, out); });
@@ -231,7 +279,7 @@ std::vector<std::string> Source::children(const std::string& group) const {
     if (H5Literate(id.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) < 0) unreadable(name_ + ": " + group);
   }
   for (const std::string& name : names)
-    if (printable(name, name.size()) != name)
+    if (!prints(name))
       throw InputError(name_ + ": " + group + ": holds '" + shown(name) + "', expected a name that prints");
   return names;
 }

@@ -71,9 +71,13 @@ class Dataset {
   const std::string& label() const { return label_; }
   /// Throws InputError unless the shape is `expected`.
   void expect(const Shape& expected) const;
+  /// Throws InputError unless the dataset itself holds values, of a kind that is read (hdf5_internal.hpp): what a child process
+  /// has not read (probe.hpp) nobody reads.
+  void expect_values() const;
   /// Reads `count` items along the first dimension (all of a scalar if the rank is 0). Throws InputError.
   void read(Type type, std::size_t first, std::size_t count, void* out) const;
   template <class T> std::vector<T> all() const {
+    expect_room(sizeof(T));
     std::vector<T> out(product(shape_));
     if (!out.empty()) read(TypeOf<T>::value, 0, shape_.empty() ? 1 : shape_[0], out.data());
     return out;
@@ -81,6 +85,7 @@ class Dataset {
 
  private:
   friend class OutputFile;
+  void expect_room(std::size_t value_bytes) const;
   Handle id_;
   Shape shape_;
   std::string label_;

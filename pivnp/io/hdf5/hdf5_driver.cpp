@@ -39,7 +39,8 @@ H5FD_t* open_file(const char* name, unsigned, hid_t access, haddr_t) {
   const void* info = H5Pget_driver_info(access);
   if (!info) return nullptr;
   WriteStatus* status = static_cast<const Access*>(info)->status;
-  const int descriptor = ::open(name, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  // A link that somebody left under a temporary name is not written through.
+  const int descriptor = ::open(name, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (descriptor < 0) {
     status->error = errno;
     return nullptr;

@@ -8,6 +8,9 @@
 namespace pivnp::io::h5 {
 
 hid_t memory_type(Type type);
+/// Whether values of this kind are read at all: integers of 1, 2, 4 or 8 whole bytes, IEEE floats of 4 or 8, enumerations
+/// of such integers, text, and tables (compounds) of such numbers.
+bool reads(hid_t type);
 /// Variable-length UTF-8.
 Handle text_type();
 /// Switches off HDF5's printing of errors to stderr.

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/hdf5/hdf5_internal.hpp"
 
 namespace pivnp::io {
@@ -45,12 +46,9 @@ struct Walk {
 
 const char too_large[] = "its size is beyond what the file can hold";
 
-// Bytes of a value in memory; 0 for kinds that records do not hold (their values are not read).
+// Bytes of a value in memory; 0 for kinds that are not read, here or by anyone.
 std::size_t value_bytes(hid_t type) {
-  const H5T_class_t kind = H5Tget_class(type);
-  if (kind == H5T_COMPOUND)
-    return H5Tdetect_class(type, H5T_VLEN) == 0 && H5Tdetect_class(type, H5T_STRING) == 0 ? H5Tget_size(type) : 0;
-  if (kind != H5T_INTEGER && kind != H5T_FLOAT && kind != H5T_STRING) return 0;
+  if (!h5::reads(type)) return 0;
   return H5Tis_variable_str(type) > 0 ? sizeof(char*) : H5Tget_size(type);
 }
 
@@ -96,14 +94,29 @@ bool refuse_elsewhere(hid_t properties, Walk& walk) {
   return true;
 }
 
+// Filters of which the library itself undoes any, and none is loaded from elsewhere.
+bool refuse_filters(hid_t properties, Walk& walk) {
+  for (int k = 0; k < H5Pget_nfilters(properties); ++k) {
+    std::array<char, 100> name{};
+    std::size_t values = 0;
+    unsigned flags = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(properties, unsigned(k), &flags, &values, nullptr, name.size() - 1, name.data(), nullptr);
+    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32)
+      return walk.refuse("packed by filter " + std::to_string(filter) + (name[0] ? " (" + printable_part(name.data(), 60) + ")" : "") +
+                         ", expected deflate, shuffle or fletcher32");
+  }
+  return true;
+}
+
 // A block of items at a time.
 bool read_values(hid_t id, Walk& walk) {
   const h5::Handle properties(H5Dget_create_plist(id), H5Pclose);
-  if (!properties || !refuse_elsewhere(properties.get(), walk)) return false;
+  if (!properties || !refuse_elsewhere(properties.get(), walk) || !refuse_filters(properties.get(), walk)) return false;
   const h5::Handle type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose);
   if (!type || !space) return false;
   const std::size_t bytes = value_bytes(type.get());
-  if (bytes == 0 || H5Pget_layout(properties.get()) == H5D_VIRTUAL) return true;  // the latter shows what else is in here
+  if (bytes == 0 || H5Pget_layout(properties.get()) == H5D_VIRTUAL) return true;  // nobody reads the latter (Dataset::expect_values)
   if (!within(space.get(), bytes, walk.limit)) return walk.refuse(too_large);
   const h5::Handle memory_type(H5Tget_native_type(type.get(), H5T_DIR_ASCEND), H5Tclose);
   h5::Shape extent(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space.get()))));
@@ -140,7 +153,7 @@ herr_t visit(hid_t root, const char* name, const H5O_info_t* info, void* data) {
                     H5Aiterate2(object.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit_attribute, data) >= 0 &&
                     (info->type != H5O_TYPE_DATASET || read_values(object.get(), walk));
   if (!read && walk.fault.empty())
-    walk.fault.append("/").append(std::strcmp(name, ".") == 0 ? "" : name).append(" cannot be read (")
+    walk.fault.append("/").append(std::strcmp(name, ".") == 0 ? "" : printable_part(name, 200)).append(" cannot be read (")
         .append(walk.why.empty() ? h5::last_cause() : walk.why).append(")");
   return read ? 0 : -1;
 }
@@ -148,7 +161,7 @@ herr_t visit(hid_t root, const char* name, const H5O_info_t* info, void* data) {
 // Links to other files are followed by whoever opens an object by its path.
 herr_t visit_link(hid_t, const char* name, const H5L_info_t* info, void* data) {
   if (info->type == H5L_TYPE_HARD || info->type == H5L_TYPE_SOFT) return 0;
-  static_cast<Walk*>(data)->fault.append("/").append(name).append(" is a link to another file, which is not followed");
+  static_cast<Walk*>(data)->fault.append("/").append(printable_part(name, 200)).append(" is a link to another file, which is not followed");
   return -1;
 }
 
@@ -157,6 +170,7 @@ const std::string readable = "readable";  // what the child says of a file that 
 // The child's whole life: what is wrong with the file, or nothing.
 std::string fault_of(const std::string& file, double size) {
   h5::silence();
+  H5PLset_loading_state(0);  // groups too may name filters of their own
   const h5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
 #if H5_VERSION_GE(1, 10, 7)
   H5Pset_file_locking(access.get(), false, true);
@@ -217,11 +231,11 @@ std::string rest_of(int descriptor) {
 
 }  // namespace
 
-void probe_foreign_file(const std::filesystem::path& file) {
+void probe_file(const std::filesystem::path& file) {
   const std::string name = file.string();
   h5::silence();
-  if (H5Fis_hdf5(name.c_str()) <= 0) return;
   std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored) || H5Fis_hdf5(name.c_str()) <= 0) return;
   const double size = double(std::filesystem::file_size(file, ignored)), seconds = least_seconds + size / bytes_per_second;
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw RunError(name + ": " + std::strerror(errno));

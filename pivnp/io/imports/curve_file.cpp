@@ -1,14 +1,17 @@
 #include "pivnp/io/imports/curve_file.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/printable.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
+#include "pivnp/io/imports/read_number.hpp"
 
 namespace pivnp::io {
 
@@ -53,7 +56,7 @@ std::string unit_of(const std::string& name, const std::string& otherwise) {
 }  // namespace
 
 Curve read_curve(const std::filesystem::path& file, const std::string& column, double step) {
-  std::istringstream in(read_text(file));
+  std::istringstream in(text_of_file(file));
   std::string line;
   int number = 0;
   const auto next = [&] {
@@ -81,22 +84,21 @@ Curve read_curve(const std::filesystem::path& file, const std::string& column, d
   const bool counted = first == "frame" || first == "step";
 
   Curve curve;
-  curve.value_name = names[place];
-  curve.value_unit = unit_of(names[place], "1");
-  curve.time_unit = counted ? "s" : unit_of(names[0], "1");
+  curve.value_name = printable(names[place]);
+  curve.value_unit = unit_of(curve.value_name, "1");
+  curve.time_unit = counted ? "s" : unit_of(printable(names[0]), "1");
   while (next()) {
     const std::vector<std::string> cells = cells_of(line, separator);
     const auto value = [&](std::size_t k) {
       if (k >= cells.size() || cells[k].empty() || cells[k] == "nan" || cells[k] == "NaN") return std::nan("");
-      double v = 0;
-      const auto [end, error] = std::from_chars(cells[k].data(), cells[k].data() + cells[k].size(), v);
-      if (error != std::errc() || end != cells[k].data() + cells[k].size())
+      const std::optional<double> v = read_number(cells[k]);
+      if (!v)
         throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) + "', expected a number");
-      if (std::isnan(v)) return v;  // "-nan", "NAN", as some programs write it
-      if (!std::isfinite(v))
+      if (std::isnan(*v)) return *v;  // "-nan", "NAN", as some programs write it
+      if (!std::isfinite(*v))
         throw InputError(at() + "column '" + shown(names[k]) + "': found '" + shown(cells[k]) +
                          "', expected a finite number, or nan");
-      return v;
+      return *v;
     };
     const double time = value(0) * (counted ? step : 1);
     if (!std::isfinite(time) || (!curve.time.empty() && !(time > curve.time.back())))

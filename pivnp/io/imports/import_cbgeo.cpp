@@ -14,6 +14,7 @@ namespace {
 // One member of every row; empty if the table has no such member.
 template <class T>
 std::vector<T> member(const h5::Dataset& table, const std::string& name, hid_t native) {
+  table.expect_values();
   const h5::Handle type(H5Dget_type(table.id()), H5Tclose);
   if (H5Tget_class(type.get()) != H5T_COMPOUND)
     throw InputError(table.label() + ": not a table of named columns (compound), expected CB-Geo's particle table");
@@ -41,7 +42,7 @@ ImportedState read_cbgeo(const std::vector<std::filesystem::path>& files) {
   ImportedState s;
   std::vector<double> stress;
   for (const std::filesystem::path& file : files) {
-    probe_foreign_file(file);
+    probe_file(file);
     const h5::Source source(file);
     const h5::Dataset table = source.dataset("/table");
     const std::vector<double> x = numbers(table, "coord_x"), y = numbers(table, "coord_y");

@@ -1,8 +1,5 @@
 #include "pivnp/io/imports/import_format.hpp"
 
-#include <fstream>
-#include <iterator>
-
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/io/imports/text_table.hpp"
@@ -55,15 +52,6 @@ std::string formats_text(bool (FileFormat::*kind)() const) { return one_of(forma
 const FileFormat* format_of(const std::string& text) {
   const std::size_t at = text.find('=');
   return at == std::string::npos ? nullptr : file_formats().find(text.substr(0, at));
-}
-
-std::string read_text(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
-    throw InputError(file.string() + ": not a file");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(file.string() + ": cannot be opened");
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace pivnp::io

@@ -82,7 +82,4 @@ std::string formats_text(bool (FileFormat::*kind)() const);
 /// The format that "FORMAT=..." begins with; nullptr where it begins with none.
 const FileFormat* format_of(const std::string& text);
 
-/// A text file in memory. Throws InputError.
-std::string read_text(const std::filesystem::path& file);
-
 }  // namespace pivnp::io

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
+#include "pivnp/io/imports/read_number.hpp"
 
 namespace pivnp::io {
 
@@ -57,23 +60,11 @@ class Cursor {
     return n;
   }
   double number() {
-    std::string_view w = word();
-    if (w.starts_with('+')) w.remove_prefix(1);
-    double v = 0;
-    const auto [stop, error] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (stop == w.data() + w.size() && error == std::errc()) return finite(v, w);
-    // Fortran drops the E of a three-digit exponent (1.0-100) and may write D.
-    std::string repaired(w);
-    for (std::size_t k = 1; k < repaired.size(); ++k) {
-      if (repaired[k] == 'D' || repaired[k] == 'd') repaired[k] = 'E';
-      if ((repaired[k] == '-' || repaired[k] == '+') && std::isdigit(static_cast<unsigned char>(repaired[k - 1])))
-        repaired.insert(k++, "E");
-    }
-    std::erase(repaired, '+');
-    const auto [stop2, error2] = std::from_chars(repaired.data(), repaired.data() + repaired.size(), v);
-    if (error2 == std::errc::result_out_of_range) return 0;
-    if (error2 != std::errc() || stop2 != repaired.data() + repaired.size()) wrong(w, "a number");
-    return finite(v, w);
+    const std::string_view w = word();
+    const std::optional<double> v = read_number(w);
+    if (!v) wrong(w, "a number");
+    if (std::isinf(*v)) wrong(w, "a finite number, or nan");
+    return *v;
   }
   std::string_view bytes(std::size_t n) {
     if (text_.size() - at_ < n) fail("ends too early");
@@ -94,10 +85,6 @@ class Cursor {
   void go(std::size_t at) { at_ = at; }
 
  private:
-  double finite(double v, std::string_view found) const {
-    if (std::isinf(v)) wrong(found, "a finite number, or nan");
-    return v;
-  }
   void skip_blanks() {
     while (at_ < text_.size() && blank(text_[at_])) ++at_;
   }
@@ -264,11 +251,38 @@ std::string attribute(std::string_view tag, std::string_view name) {
   return "";
 }
 
+// What stands between `begin` and `end` of a VTK XML file.
+Arrays arrays_of_piece(std::string_view all, std::size_t begin, std::size_t end_of_piece, const std::string& file) {
+  const std::size_t points_begin = all.find("<Points", begin), points_end = all.find("</Points>", begin);
+  Arrays arrays;
+  for (std::size_t at = all.find("<DataArray", begin); at < end_of_piece; at = all.find("<DataArray", at + 1)) {
+    const std::size_t close = all.find('>', at);
+    if (close == all.npos) throw InputError(file + ": ends too early");
+    const std::string_view tag = all.substr(at, close - at);
+    if (tag.ends_with('/')) continue;
+    const std::size_t end = all.find("</DataArray>", close);
+    if (end == all.npos) throw InputError(file + ": ends too early");
+    const std::string format = attribute(tag, "format");
+    const bool points = at > points_begin && at < points_end;
+    const std::string name = points ? "points" : attribute(tag, "name");
+    if (name == "connectivity" || name == "offsets" || name == "types") continue;
+    if (!format.empty() && format != "ascii")
+      throw InputError(file + ": array '" + shown(name) + "': format '" + shown(format) + "', expected ascii");
+    Array array;
+    if (const std::string c = attribute(tag, "numberofcomponents"); !c.empty())
+      array.components = std::size_t(std::clamp(std::atoi(c.c_str()), 1, 1000));
+    Cursor in(all.substr(close + 1, end - close - 1), file, line_of(all, close), "array '" + shown(name) + "': ");
+    while (!in.end()) array.values.push_back(in.number());
+    arrays[name] = std::move(array);
+  }
+  return arrays;
+}
+
 }  // namespace
 
 ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files) {
   const std::filesystem::path& file = files.at(0);
-  Arrays arrays = parse_legacy(read_text(file), file.string());
+  Arrays arrays = parse_legacy(text_of_file(file), file.string());
   const std::string name = file.filename().string();
   // Scalars and vectors of one step stand in files of their own.
   for (const auto& [kind, other] : {std::pair{"_MPVector_", "_MPScalar_"}, {"_MPScalar_", "_MPVector_"},
@@ -279,7 +293,7 @@ ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files) {
     sibling.replace(at, std::string(kind).size(), other);
     const std::filesystem::path path = file.parent_path() / sibling;
     if (!std::filesystem::exists(path)) continue;
-    for (auto& [key, array] : parse_legacy(read_text(path), path.string())) arrays.emplace(key, std::move(array));
+    for (auto& [key, array] : parse_legacy(text_of_file(path), path.string())) arrays.emplace(key, std::move(array));
   }
   ImportedState s;
   s.x = pairs(arrays.at("points"));
@@ -293,30 +307,27 @@ ImportedState read_legacy_vtk(const std::vector<std::filesystem::path>& files) {
 
 ImportedState read_vtu(const std::vector<std::filesystem::path>& files) {
   const std::filesystem::path& file = files.at(0);
-  const std::string text = read_text(file);
+  const std::string text = text_of_file(file);
   const std::string_view all = text;
   if (all.find("<VTKFile") == all.npos) throw InputError(file.string() + ": not a VTK XML file");
-  const std::size_t points_begin = all.find("<Points"), points_end = all.find("</Points>");
+  // Of several pieces (one a process, say) the arrays follow one another.
   Arrays arrays;
-  for (std::size_t at = all.find("<DataArray"); at != all.npos; at = all.find("<DataArray", at + 1)) {
-    const std::size_t close = all.find('>', at);
-    if (close == all.npos) throw InputError(file.string() + ": ends too early");
-    const std::string_view tag = all.substr(at, close - at);
-    if (tag.ends_with('/')) continue;
-    const std::size_t end = all.find("</DataArray>", close);
-    if (end == all.npos) throw InputError(file.string() + ": ends too early");
-    const std::string format = attribute(tag, "format");
-    const bool points = at > points_begin && at < points_end;
-    const std::string name = points ? "points" : attribute(tag, "name");
-    if (name == "connectivity" || name == "offsets" || name == "types") continue;
-    if (!format.empty() && format != "ascii")
-      throw InputError(file.string() + ": array '" + shown(name) + "': format '" + shown(format) + "', expected ascii");
-    Array array;
-    if (const std::string c = attribute(tag, "numberofcomponents"); !c.empty())
-      array.components = std::size_t(std::clamp(std::atoi(c.c_str()), 1, 1000));
-    Cursor in(all.substr(close + 1, end - close - 1), file.string(), line_of(all, close), "array '" + shown(name) + "': ");
-    while (!in.end()) array.values.push_back(in.number());
-    arrays[name] = std::move(array);
+  const std::size_t piece = all.find("<Piece"), first = piece == all.npos ? 0 : piece;
+  for (std::size_t begin = first; begin < all.size();) {
+    const std::size_t end = std::min(all.find("<Piece", begin + 1), all.size());
+    Arrays own = arrays_of_piece(all, begin, end, file.string());
+    for (auto& [name, array] : own) {
+      if (begin == first) {
+        arrays[name] = std::move(array);
+      } else if (const auto there = arrays.find(name); there != arrays.end() && there->second.components == array.components) {
+        there->second.values.insert(there->second.values.end(), array.values.begin(), array.values.end());
+      } else {
+        throw InputError(file.string() + ": array '" + shown(name) + "' is not the same in every piece of the file");
+      }
+    }
+    for (const auto& [name, array] : arrays)
+      if (!own.contains(name)) throw InputError(file.string() + ": array '" + shown(name) + "' is missing in a piece of the file");
+    begin = end;
   }
   if (!arrays.contains("points") || arrays["points"].components < 2)
     throw InputError(file.string() + ": no points of two or three coordinates");

@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/imports/import_format.hpp"
+#include "pivnp/io/imports/read_number.hpp"
 
 namespace pivnp::io {
 
@@ -23,7 +25,7 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-TextLines::TextLines(std::filesystem::path file) : file_(std::move(file)), text_(read_text(file_)), rest_(text_) {
+TextLines::TextLines(std::filesystem::path file) : file_(std::move(file)), text_(text_of_file(file_)), rest_(text_) {
   if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
 }
 
@@ -39,17 +41,35 @@ bool TextLines::next(std::string_view& line) {
 
 std::string TextLines::at(int line) const { return file_.string() + ":" + std::to_string(line) + ": "; }
 
-double TextLines::value(std::string_view cell, std::string_view column) const {
-  if (cell.empty() || column_name(cell) == "nan") return std::nan("");
-  const std::string_view digits = cell.starts_with('+') ? cell.substr(1) : cell;  // from_chars takes no plus
+std::optional<double> read_number(std::string_view text) {
+  std::string digits(text.starts_with('+') ? text.substr(1) : text);  // from_chars takes no plus
+  // Fortran drops the E of a three-digit exponent (1.0-100) and may write D.
+  for (std::size_t k = 1; k < digits.size(); ++k) {
+    const auto before = static_cast<unsigned char>(digits[k - 1]);
+    if ((digits[k] == 'D' || digits[k] == 'd') && (std::isdigit(before) || before == '.')) digits[k] = 'E';
+    if ((digits[k] == '-' || digits[k] == '+') && (std::isdigit(before) || before == '.') && digits.size() == k + 4) digits.insert(k++, "E");
+  }
+  std::erase(digits, '+');
   double v = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
+  if (end != digits.data() + digits.size() || error == std::errc::invalid_argument) return std::nullopt;
+  if (error != std::errc::result_out_of_range) return v;
+  long double wide = 0;
+  const bool still = std::from_chars(digits.data(), digits.data() + digits.size(), wide).ec == std::errc::result_out_of_range;
+  const bool small = still ? digits.find("E-") != digits.npos || digits.find("e-") != digits.npos : std::abs(wide) < 1;
+  if (small) return 0;
+  return digits.starts_with('-') ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
+}
+
+double TextLines::value(std::string_view cell, std::string_view column) const {
+  if (cell.empty() || column_name(cell) == "nan") return std::nan("");
+  const std::optional<double> v = read_number(cell);
   const std::string found = at() + "column '" + shown(column) + "': found '" + shown(cell) + "', expected ";
-  if (error != std::errc() || end != digits.data() + digits.size()) throw InputError(found + "a number");
-  if (std::isnan(v)) return v;  // "-nan", as some programs write it
-  if (!(std::abs(v) <= double(std::numeric_limits<float>::max())))
+  if (!v) throw InputError(found + "a number");
+  if (std::isnan(*v)) return *v;  // "-nan", as some programs write it
+  if (!(std::abs(*v) <= double(std::numeric_limits<float>::max())))
     throw InputError(found + "a finite number (of single precision), or nan where nothing is known");
-  return v;
+  return *v;
 }
 
 std::vector<std::string_view> cells_of(std::string_view line, char separator) {

@@ -24,7 +24,7 @@ std::string named_image(std::string_view line, std::string_view label) {
   line = line.substr(0, line.find_last_not_of(" \t") + 1);
   if (const std::size_t slash = line.find_last_of("/\\"); slash != line.npos) line.remove_prefix(slash + 1);
   while (line.starts_with(' ')) line.remove_prefix(1);
-  return printable(line, 200);
+  return printable_part(line, 200);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ double factor(std::string_view line, std::string_view label) {
 std::string image_name(std::string_view text) {
   for (const std::string_view label : {"A: ", "B: "})
     if (text.starts_with(label)) text.remove_prefix(label.size());
-  return printable(text, 200);
+  return printable_part(text, 200);
 }
 
 void name_images(std::string_view line, ImportedVectors& out) {

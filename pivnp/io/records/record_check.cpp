@@ -1,10 +1,10 @@
 #include "pivnp/io/records/record_check.hpp"
 
 #include <cstdlib>
-#include <fstream>
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/io/files/seal.hpp"
 #include "pivnp/io/records/record.hpp"
 
@@ -28,7 +28,7 @@ bool is_record(const fs::path& path) {
   if (path.extension() == ".h5") return true;
   if (!fs::is_regular_file(path)) return false;
   char beginning[8] = {};
-  std::ifstream(path, std::ios::binary).read(beginning, sizeof beginning);
+  open_regular_file(path).read(beginning, sizeof beginning);
   return std::string_view(beginning, sizeof beginning) == "\x89HDF\r\n\x1a\n";
 }
 

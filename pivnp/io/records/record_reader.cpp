@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/printable.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/files/seal.hpp"
@@ -14,15 +15,14 @@ namespace pivnp::io {
 
 namespace {
 
-// The file to open, if it is what was written or at least no danger to read.
+// The file to open, if nothing shows that it was damaged and it is no danger to read.
 const std::filesystem::path& checked(const std::filesystem::path& file, Trust trust) {
   if (trust == Trust::known || !std::filesystem::is_regular_file(file)) return file;
-  const Seal seal = seal_of(file);
-  if (seal == Seal::broken)
+  if (seal_of(file) == Seal::broken)
     throw InputError(file.string() +
                      ": damaged: its content is not the one its checksum was made of; expected the file as it was "
                      "written (a copy of it, or the run again)");
-  if (seal == Seal::none) probe_foreign_file(file);
+  probe_file(file);
   return file;
 }
 
@@ -52,7 +52,7 @@ std::vector<Frame> read_frames(const h5::Source& source) {
   flag.expect({names.size()});
   const std::vector<double> times = time.all<double>();
   const std::vector<std::uint8_t> flags = flag.all<std::uint8_t>();
-  for (std::size_t k = 0; k < names.size(); ++k) frames.push_back({names[k], times[k], flags[k]});
+  for (std::size_t k = 0; k < names.size(); ++k) frames.push_back({printable(names[k]), times[k], flags[k]});
   return frames;
 }
 

@@ -9,6 +9,7 @@
 #include "pivnp/core/particles/fields.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/files/seal.hpp"
+#include "pivnp/io/hdf5/probe.hpp"
 #include "pivnp/io/records/motion_file.hpp"
 #include "pivnp/io/records/record_impl.hpp"
 
@@ -79,6 +80,7 @@ void RecordWriter::Impl::take_up() {
   {
     if (seal_of(parts / "head.h5") != Seal::intact)
       throw InputError((parts / "head.h5").string() + ": is damaged; run without --resume to start again");
+    probe_file(parts / "head.h5");
     const h5::Source source(parts / "head.h5");
     const std::string version = source.attribute_text("/", "schema_version");
     if (version != schema_version)

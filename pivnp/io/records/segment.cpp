@@ -8,7 +8,10 @@
 #include <system_error>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/printable.hpp"
+#include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/files/seal.hpp"
+#include "pivnp/io/hdf5/probe.hpp"
 
 namespace pivnp::io {
 
@@ -104,6 +107,7 @@ std::vector<StageFiles> scan_parts(const std::filesystem::path& parts) {
       continue;
     }
     try {
+      probe_file(path);  // a folder to resume may come from anyone
       const h5::Source source(path);
       const std::string stage = source.attribute_text("/", "stage");
       StageFiles& files = stages[stage];
@@ -202,6 +206,8 @@ ParticleSet read_particles(const h5::Source& source, const std::string& group) {
   };
   p.label = open("label", {n}).all<std::int32_t>();
   p.label_names = source.texts(group + "/label_name");
+  for (const std::string& name : p.label_names)
+    if (!prints(name)) throw InputError(source.name() + ": " + group + "/label_name: holds '" + shown(name) + "', expected a name that prints");
   p.x0.resize(n);
   open("x0", {n, 2}).read(h5::Type::f64, 0, n, p.x0.data());
   const std::vector<float> area = open("area", {n}).all<float>();

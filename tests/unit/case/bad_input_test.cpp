@@ -185,6 +185,25 @@ TEST(BadInput, DeepKeysAndLists) {
     EXPECT_EQ(refusal(text + "\n" + changed("name = \"slope\"", "")), "") << text;
 }
 
+TEST(BadInput, WhatDoesNotPrintIsNoName) {
+  EXPECT_EQ(refusal("name = \"a\\u001b[2J\"\n"), "c.toml:1: name: found a string \"a\\u001b[2J\", expected text without control characters");
+  const std::string unit = "[camera]\nmetres_per_pixel = 0.01\nlength_unit = \"m";
+  EXPECT_EQ(refusal(unit + "\\u0000\"\n").rfind("c.toml:3: camera.length_unit: found a string \"m", 0), 0u);
+  for (const char* turned : {"\\u202e", "\\u2066", "\\u2028", "\\u009b", "\\u007f", "\\n"})
+    EXPECT_NE(refusal(unit + turned + "\"\n"), "") << turned;
+  EXPECT_EQ(refusal(unit + "\u00b5\u2026\"\n"), "");
+  EXPECT_EQ(refusal("[region.\"sa\\u0007nd\"]\npolygon_m = [[0,0],[1,0],[1,1]]\n"),
+            "c.toml:1: [region.\"sa\\u0007nd\"]: the name holds control characters, expected one that prints");
+}
+
+// Variances are floats, those of hundredths of a pixel too.
+TEST(BadInput, ScalesThatNoFloatHolds) {
+  const auto scaled = [](const char* scale) { return refusal(std::string("[camera]\nlength_unit = 'mm'\nmetres_per_pixel = ") + scale + "\n"); };
+  EXPECT_EQ(scaled("3e-30"), "c.toml:3: camera.metres_per_pixel: found 3e-30, expected a number from 1e-12 to 1e+12");
+  EXPECT_NE(scaled("3e30"), "");
+  EXPECT_EQ(scaled("3e-10"), "");
+}
+
 TEST(BadInput, FilesThatAreNone) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "pivnp case test";
   std::filesystem::create_directories(folder / "empty");

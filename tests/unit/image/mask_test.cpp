@@ -145,7 +145,7 @@ TEST_F(Masks, BadMasksAreNamed) {
   EXPECT_THAT(failing({.polygon_m = {{0, 0}, {9, 9}}}), HasSubstr("mask.m0.polygon_m"));
   EXPECT_THAT(failing({.circle_px = {1, 1}}), HasSubstr("found 2 numbers"));
   EXPECT_THAT(failing({.circle_px = {1, 1, -2}}), HasSubstr("radius"));
-  EXPECT_THAT(failing({.image = "gone.png"}), AllOf(HasSubstr("mask.m0.image"), HasSubstr("does not exist")));
+  EXPECT_THAT(failing({.image = "gone.png"}), AllOf(HasSubstr("mask.m0.image"), HasSubstr("no such file")));
   write("small.png", cv::Mat(10, 20, CV_8U, cv::Scalar(1)));
   EXPECT_THAT(failing({.image = "small.png"}), AllOf(HasSubstr("is 20x10"), HasSubstr("the frames are 90x60")));
   EXPECT_THAT(failing({.circle_px = {45, 30, 500}}), HasSubstr("nothing of the image is left"));

@@ -275,6 +275,17 @@ TEST_F(Video, UnreadableFilesAreNamedInOneLine) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
+// A list of files passes for a video: what it names would be opened and shown.
+TEST_F(Video, ListsOfFilesAreNoVideos) {
+  ASSERT_TRUE(write_video("other.avi", 12, 25, "MJPG"));
+  ASSERT_EQ(open({.path = "other.avi"})->size(), 12);
+  const std::string no_text(1, '\0');
+  put(at("list.avi"), "ffconcat version 1.0\nfile other.avi\n#" + no_text);
+  put(at("list.mp4"), "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nother.avi\n#EXT-X-ENDLIST\n#" + no_text);
+  for (const char* name : {"list.avi", "list.mp4"})
+    EXPECT_THAT(error_of([&] { open({.path = name}); }), AllOf(HasSubstr(name), HasSubstr("cannot be opened"))) << name;
+}
+
 // An MP4 made for the web has its index in front, so that a download that stopped still opens and still counts.
 TEST_F(Video, AnIndexInFrontDoesNotHideATruncation) {
   ASSERT_TRUE(write_video("v.mp4", 40, 25, "mp4v"));

@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "import_sample.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/io/imports/import_format.hpp"
 #include "tests/support/added.hpp"
 
@@ -41,7 +42,7 @@ TEST_F(ImportTest, WhatIsWrongIsSaid) {
 
 // Two numbers a line: one time.
 ImportedState read_pairs(const std::vector<fs::path>& files) {
-  std::istringstream in(read_text(files.at(0)));
+  std::istringstream in(text_of_file(files.at(0)));
   ImportedState state;
   for (double x, y; in >> x >> y;) state.x.push_back({x, y});
   state.fields.push_back({"plastic_dev", std::vector<double>(state.x.size(), 0.25)});

@@ -140,6 +140,45 @@ TEST_F(ImportTest, MpmGeomechanics) {
   EXPECT_EQ(m->frame(0).field("stress")(0, 2), -7.0f);
 }
 
+TEST_F(ImportTest, NumbersThatAreTooLargeAreRefusedAndThoseTooSmallAreZero) {
+  const auto file = [&](const std::string& x) {
+    write("b_MPVector_000.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 1 float\n" + x + " 2 0\n");
+  };
+  for (const char* large : {"3e412", "-7.5E+399", "2.0+999", "1d5000"}) {
+    file(large);
+    EXPECT_NE(refusal("vtk", "b_MPVector_000.vtk").find("expected a finite number"), std::string::npos) << large;
+  }
+  for (const char* small : {"3e-412", "-7.5E-399", "2.0-999", "1d-5000"}) {
+    file(small);
+    EXPECT_EQ(open("vtk", "b_MPVector_000.vtk")->particles().x0[0].x(), 0) << small;
+  }
+  write("c.csv", "id,x,y\n1,4e-420,2\n");
+  EXPECT_EQ(open("csv", "c.csv")->particles().x0[0].x(), 0);
+  write("c.csv", "id,x,y\n1,4e420,2\n");
+  EXPECT_NE(refusal("csv", "c.csv").find("expected a finite number"), std::string::npos);
+}
+
+TEST_F(ImportTest, PiecesFollowOneAnother) {
+  const auto piece = [](int from, int to, const std::string& name) {
+    std::string points, ids;
+    for (int k = from; k < to; ++k) points += std::to_string(0.1 * k) + " " + std::to_string(3 - 0.2 * k) + " 0 ", ids += std::to_string(70 + k) + " ";
+    return "<Piece NumberOfPoints=\"" + std::to_string(to - from) + "\">\n<Points><DataArray NumberOfComponents=\"3\" format=\"ascii\">" + points +
+           "</DataArray></Points>\n<PointData><DataArray Name=\"" + name + "\" format=\"ascii\">" + ids + "</DataArray></PointData></Piece>\n";
+  };
+  const auto file = [&](const std::string& pieces) {
+    write("p_0.vtu", "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>\n" + pieces + "</UnstructuredGrid></VTKFile>\n");
+  };
+  file(piece(0, 4, "Particle Id") + piece(4, 5, "Particle Id") + piece(5, 9, "Particle Id"));
+  const auto m = open("vtu", "p_0.vtu");
+  ASSERT_EQ(m->particles().size(), 9u);
+  for (std::size_t k = 0; k < 9; ++k) {
+    EXPECT_EQ(m->particles().id[k], std::int64_t(70 + k));
+    EXPECT_NEAR(m->particles().x0[k].x(), 0.1 * double(k), 1e-6);
+  }
+  file(piece(0, 4, "Particle Id") + piece(4, 9, "Material Id"));
+  EXPECT_NE(refusal("vtu", "p_0.vtu").find("in every piece"), std::string::npos) << refusal("vtu", "p_0.vtu");
+}
+
 TEST_F(ImportTest, CountsAreNotBelieved) {
   const std::string head = "# vtk DataFile Version 3.0\nx\n";
   for (const char* kind : {"ASCII", "BINARY"})

@@ -1,4 +1,6 @@
 // What was damaged after it was written never enters a record, and a damaged record is not read.
+#include <sys/stat.h>
+
 #include <fstream>
 #include <random>
 
@@ -238,6 +240,14 @@ TEST(FileIdentityStop, IsAskedBetweenBlocks) {
   std::ofstream(there.path / "video.mp4") << std::string(5 << 20, 'v');
   EXPECT_THROW(identity_of(there.path / "video.mp4", "video.mp4", progress), Interrupted);
   EXPECT_EQ(progress.asked, 3);
+}
+
+TEST(FileIdentity, OfAPipeIsRefusedAtOnce) {
+  SilentProgress progress;
+  const test::Scratch there;
+  ASSERT_EQ(mkfifo((there.path / "f7.png").c_str(), 0600), 0);
+  EXPECT_THROW(identity_of(there.path / "f7.png", "f7.png", progress), InputError);
+  EXPECT_THROW(identity_of("/dev/zero", "zero", progress), InputError);
 }
 
 TEST_F(Identity, OfFramesIsInTheRecordToo) {

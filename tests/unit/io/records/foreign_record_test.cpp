@@ -156,9 +156,17 @@ TEST_F(ForeignRecord, MemoryIsNotGivenOutOnTheWordOfANumber) {
   EXPECT_EQ(line.find('\n'), line.npos);
 }
 
-// What it holds may not lie in other files, which it would have opened and shown as its own.
-class Elsewhere : public ForeignRecord {
+// What it holds may not lie in other files, which it would have opened and shown as its own. A seal changes nothing:
+// anyone can make one.
+class Elsewhere : public ForeignRecord, public ::testing::WithParamInterface<bool> {
  protected:
+  std::string line() const {
+    if (GetParam()) {
+      EXPECT_EQ(append_seal(file), 0);
+      EXPECT_EQ(seal_of(file), Seal::intact);
+    }
+    return fault();
+  }
   void add(const char* kind) {
     const h5::Handle id(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
     if (kind == std::string("link")) {
@@ -177,19 +185,75 @@ class Elsewhere : public ForeignRecord {
   }
 };
 
-TEST_F(Elsewhere, VirtualDatasetsAreRefusedByName) {
+TEST_P(Elsewhere, VirtualDatasetsAreRefusedByName) {
   add("virtual");
-  EXPECT_THAT(fault(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more"), HasSubstr("other.h5")));
+  EXPECT_THAT(line(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more"), HasSubstr("other.h5")));
 }
 
-TEST_F(Elsewhere, ExternalDatasetsAreRefusedByName) {
+TEST_P(Elsewhere, ExternalDatasetsAreRefusedByName) {
   add("external");
-  EXPECT_THAT(fault(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more"), HasSubstr("other.h5")));
+  EXPECT_THAT(line(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more"), HasSubstr("other.h5")));
 }
 
-TEST_F(Elsewhere, ExternalLinksAreRefusedByName) {
+TEST_P(Elsewhere, ExternalLinksAreRefusedByName) {
   add("link");
-  EXPECT_THAT(fault(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more")));
+  EXPECT_THAT(line(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more")));
+}
+
+// Filters other than the three that records use are code that nobody needs, or a library to load.
+TEST_P(Elsewhere, FiltersAreOnAList) {
+  {
+    const h5::Handle id(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    const hsize_t shape = 300, chunk = 60;
+    const h5::Handle space(H5Screate_simple(1, &shape, nullptr), H5Sclose), properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(properties.get(), 1, &chunk);
+    H5Pset_scaleoffset(properties.get(), H5Z_SO_INT, 0);
+    const std::vector<std::int32_t> values(shape, 9);
+    const h5::Handle dataset(
+        H5Dcreate2(id.get(), "/motion/np/more", H5T_STD_I32LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
+    ASSERT_GE(H5Dwrite(dataset.get(), H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+  }
+  EXPECT_THAT(line(), AllOf(StartsWith(file.string()), HasSubstr("/motion/np/more"), HasSubstr("filter 6")));
+}
+
+// A dataset that shows itself has no values; HDF5 follows it until its stack is full.
+TEST_P(Elsewhere, ValuesThatShowThemselvesAreNotRead) {
+  remove("/piv/pair");
+  {
+    const h5::Handle id(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    const hsize_t shape[2] = {size.pairs, 2};
+    const h5::Handle space(H5Screate_simple(2, shape, nullptr), H5Sclose), properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    ASSERT_GE(H5Pset_virtual(properties.get(), space.get(), ".", "/piv/pair", space.get()), 0);
+    const h5::Handle dataset(
+        H5Dcreate2(id.get(), "/piv/pair", H5T_STD_I32LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
+    ASSERT_TRUE(dataset);
+  }
+  EXPECT_THAT(line(), AllOf(StartsWith(file.string()), HasSubstr("/piv/pair"), HasSubstr("elsewhere")));
+}
+
+INSTANTIATE_TEST_SUITE_P(SealedOrNot, Elsewhere, ::testing::Bool());
+
+// Nor do sealed segments of a folder to resume lead anywhere.
+TEST(Segments, ThatShowAnotherFileAreComputedAgain) {
+  test::Scratch there;
+  sample::Size size;
+  size.pairs = 12;
+  {
+    RecordWriter w(there.path, sample::head(size), false);
+    for (std::size_t k = 0; k < size.pairs; ++k) {
+      w.add_pair(sample::pair(size, k));
+      if (k % 6 == 5) w.close_segment("piv", {std::byte(k)});
+    }
+  }
+  const fs::path segment = there.path / "parts" / "piv.00000006.h5";
+  fs::resize_file(segment, fs::file_size(segment) - seal_bytes);
+  {
+    const h5::Handle id(H5Fopen(segment.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    ASSERT_GE(H5Lcreate_external("/dev/null", "/", id.get(), "/more", H5P_DEFAULT, H5P_DEFAULT), 0);
+  }
+  ASSERT_EQ(append_seal(segment), 0);
+  RecordWriter again(there.path, sample::head(size), true);
+  EXPECT_EQ(again.stage("piv").items, 6u);
 }
 
 TEST_F(ForeignRecord, NumbersOfASizeBeyondTheFileAreRefused) {
