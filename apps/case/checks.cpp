@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/case/fields.hpp"
 #include "apps/case/lengths.hpp"
 #include "apps/case/refusals.hpp"
 #include "apps/case/values.hpp"
@@ -21,22 +22,18 @@ class Checker : Refusals {
   Checker(const Case& c, const Source& source) : Refusals{c, source} {}
 
   void all() const {
-    stages();
-    vectors();
-    camera();
-    grid();
-    rows_in_time();
-    shapes();
-    check_simulation(c_, source_);
-    camera_moves();
-    synthetic();
-    verification();
-    for (const std::string& field : c_.output.fields_stored) known_field("output.fields", field);
-    for (const std::string& field : c_.report.fields_drawn) known_field("report.fields", field);
-    lines();
+    Faults faults;
+    for (const auto check : {&Checker::stages, &Checker::vectors, &Checker::camera, &Checker::grid, &Checker::rows_in_time, &Checker::shapes,
+                             &Checker::simulation, &Checker::camera_moves, &Checker::synthetic, &Checker::verification, &Checker::lines})
+      faults.gather([&] { (this->*check)(); });
+    for (const std::string& field : c_.output.fields_stored) faults.gather([&] { known_field("output.fields", field); });
+    for (const std::string& field : c_.report.fields_drawn) faults.gather([&] { known_field("report.fields", field); });
+    faults.raise(source_.file());
   }
 
  private:
+  void simulation() const { check_simulation(c_, source_); }
+
   void lines() const {
     for (const auto& [name, line] : c_.report.lines) {
       const std::string section = "report.line." + name;

@@ -23,14 +23,38 @@ using Notes = std::vector<std::string>;
 /// case of a record that a later version wrote).
 enum class Reading { strict, tolerant };
 
-/// Does `read`; a tolerant reading notes what it throws as InputError.
+/// What is wrong with a case, all of it: what `work` throws as InputError, "FILE:LINE: ...", is kept for raise().
+class Faults {
+ public:
+  template <class Work>
+  void gather(const Work& work) {
+    try {
+      work();
+    } catch (const InputError& error) {
+      found_.emplace_back(error.what());
+    }
+  }
+  /// Throws InputError if there is anything, in one line; `file` is said once.
+  void raise(const std::string& file) const;
+
+ private:
+  std::vector<std::string> found_;
+};
+
+/// What reading has found: notes, and faults of a strict reading.
+struct Findings {
+  Notes& notes;
+  Faults faults = {};
+};
+
+/// Does `read`; what it throws as InputError is a fault, of a tolerant reading a note.
 template <class Read>
-void read_as(Reading reading, Notes& notes, const Read& read) {
-  if (reading == Reading::strict) return read();
+void read_as(Reading reading, Findings& found, const Read& read) {
+  if (reading == Reading::strict) return found.faults.gather(read);
   try {
     read();
   } catch (const InputError& error) {
-    notes.push_back(error.what() + std::string(" (left out)"));
+    found.notes.push_back(error.what() + std::string(" (left out)"));
   }
 }
 
@@ -39,28 +63,28 @@ void use_alias(const std::string& file, const std::string& path, const Node& tab
                const Entry& old, Notes& notes);
 
 /// Reads the options of section `path` from `table`. Keys that are not there keep their value; a key's former name
-/// (OptionInfo::alias) is read too, and noted. Throws InputError.
+/// (OptionInfo::alias) is read too, and noted.
 template <class T>
 void read_fields(const std::string& file, const std::string& path, const Node& table,
-                 const std::vector<std::string>& children, T& options, Notes& notes,
+                 const std::vector<std::string>& children, T& options, Findings& found,
                  Reading reading = Reading::strict) {
   std::vector<std::string> known;
   T::fields(options, [&](std::string_view name, auto&, const OptionInfo& info) {
     known.emplace_back(name);
     if (!info.alias.empty() && table.find(info.alias)) known.emplace_back(info.alias);
   });
-  read_as(reading, notes, [&] { refuse_unknown_keys(file, path, table, known, children); });
+  read_as(reading, found, [&] { refuse_unknown_keys(file, path, table, known, children); });
   T::fields(options, [&](std::string_view name, auto& value, const OptionInfo& info) {
-    const Entry* entry = table.find(name);
-    if (const Entry* old = info.alias.empty() ? nullptr : table.find(info.alias)) {
-      use_alias(file, path, table, name, *old, notes);
-      entry = old;
-    }
-    if (!entry) return;
-    read_as(reading, notes, [&] {
-      auto found = value;
-      read_value(Place{file, joined_key(path, entry->key), entry->line}, entry->value, info, found);
-      value = std::move(found);
+    read_as(reading, found, [&] {
+      const Entry* entry = table.find(name);
+      if (const Entry* old = info.alias.empty() ? nullptr : table.find(info.alias)) {
+        use_alias(file, path, table, name, *old, found.notes);
+        entry = old;
+      }
+      if (!entry) return;
+      auto given = value;
+      read_value(Place{file, joined_key(path, entry->key), entry->line}, entry->value, info, given);
+      value = std::move(given);
     });
   });
 }

@@ -41,6 +41,20 @@ std::string commented_keys(const std::string& path, const std::vector<std::strin
   return lines;
 }
 
+// A dozen lines: what nobody but the user knows. The name is that of the folder.
+std::string short_case(const InitOptions& options, const FrameFacts& facts, const Points& outline, int window) {
+  const std::string rate = facts.rate_hz ? toml_text(*facts.rate_hz) + "  # what the video claims" : "50.0  # frames per second; left out: times are counted in frames";
+  return "# pivnp check FILE draws this case on the first frame; pivnp init --all and docs/case.md name all other keys.\n"
+         "[frames]  # " + std::to_string(facts.count) + " frames of " + std::to_string(facts.width) + " x " + std::to_string(facts.height) + " px\n"
+         "path = " + toml_text(path_in_case(options)) + "\n" +
+         (options.rate_hz ? "rate_hz = " + toml_text(*options.rate_hz) : "# rate_hz = " + rate) +
+         "\n\n[camera]\n" +
+         (options.metres_per_pixel ? "metres_per_pixel = " + toml_text(*options.metres_per_pixel) : std::string("# metres_per_pixel = 2.0e-4  # left out: lengths are in px")) +
+         "\n\n[region.soil]  # where the material is at the first frame: EDIT THIS, (column, row) with rows downward\n"
+         "polygon_px = " + toml_text(outline) +
+         "\n\n[piv]\nwindow_px = " + std::to_string(window) + "  # 8 or more grains or blobs in a window\n";
+}
+
 std::string frames_section(const InitOptions& options, const FrameFacts& facts) {
   std::string text = "[frames]  # " + std::to_string(facts.count) + " frames of " + std::to_string(facts.width) +
                      " x " + std::to_string(facts.height) + " px\n";
@@ -70,10 +84,7 @@ std::string camera_section(const InitOptions& options, const FrameFacts& facts) 
   return text;
 }
 
-std::string region_sections(const FrameFacts& facts, int window) {
-  const double left = window, right = std::max(facts.width - 1.0 - window, left + 1);
-  const double top = window, bottom = std::max(facts.height - 1.0 - window, top + 1);
-  const Points outline = {{left, bottom}, {right, bottom}, {right, top}, {left, top}};
+std::string region_sections(const Points& outline) {
   std::string text =
       "\n# Where the material is at the first frame: EDIT THIS. Points are (column, row), row downward.\n";
   text += "[region.soil]\npolygon_px = " + toml_text(outline) + "\n";
@@ -146,7 +157,11 @@ std::string simulation_sections(const InitOptions& options, const FrameFacts& fa
 
 std::string initial_case(const InitOptions& options, const FrameFacts& facts) {
   const int window = window_for(facts);
+  const double left = window, right = std::max(facts.width - 1.0 - window, left + 1);
+  const double top = window, bottom = std::max(facts.height - 1.0 - window, top + 1);
+  const Points outline = {{left, bottom}, {right, bottom}, {right, top}, {left, top}};
   std::string text = options.schema.empty() ? "" : "#:schema " + options.schema + "\n";
+  if (!options.all) return text + short_case(options, facts, outline, window);
   text +=
       "# A case for pivnp. Lines that begin with '#' show what is chosen when nothing is said.\n"
       "# pivnp check FILE draws grid, masks and regions on the first frame; docs/case.md lists all keys.\n\n";
@@ -155,7 +170,7 @@ std::string initial_case(const InitOptions& options, const FrameFacts& facts) {
   text += frames_section(options, facts) + camera_section(options, facts);
   text += "\n[grid]\nspacing_px = " + toml_text(double(window) / 4) + "  # distance of the nodes: a quarter of the window\n";
   text += commented_keys("grid", {"spacing_px", "spacing_m", "area_m"});
-  text += region_sections(facts, window);
+  text += region_sections(outline);
   text += "\n[piv]\nwindow_px = " + std::to_string(window) +
           "  # side of the last window; about 8 or more grains or blobs should fall into it\n" +
           commented_keys("piv", {"window_px"});

@@ -13,6 +13,7 @@ struct InitOptions {
   std::filesystem::path folder = ".";  // where the case will lie: paths in it are relative to this
   std::optional<double> metres_per_pixel;
   std::optional<double> rate_hz;
+  bool all = false;         // all keys, as comments; else those that a user needs
   std::string schema = {};  // path of the case's JSON schema, for editors; empty: not named
 };
 

@@ -1,5 +1,6 @@
 // Reading a case: sections and keys here, what only the whole case shows in checks.cpp.
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 
 #include "apps/case/checks.hpp"
@@ -40,6 +41,20 @@ void refuse_unknown_keys(const std::string& file, const std::string& path, const
   if (count > 0) throw InputError(all);
 }
 
+void Faults::raise(const std::string& file) const {
+  constexpr std::size_t most = 10;
+  const auto line = [&](const std::string& fault) { return fault.starts_with(file + ":") ? std::atoi(fault.c_str() + file.size() + 1) : 0; };
+  std::vector<std::string> faults = found_;
+  std::stable_sort(faults.begin(), faults.end(), [&](const std::string& a, const std::string& b) { return line(a) < line(b); });
+  std::string all;
+  for (std::size_t k = 0; k < std::min(faults.size(), most); ++k) {
+    const bool same_file = k > 0 && line(faults[k]) > 0;
+    all += (k == 0 ? "" : "; ") + (same_file ? "line " + faults[k].substr(file.size() + 1) : faults[k]);
+  }
+  if (faults.size() > most) all += "; and " + std::to_string(faults.size() - most) + " more";
+  if (!found_.empty()) throw InputError(all);
+}
+
 void use_alias(const std::string& file, const std::string& path, const Node& table, std::string_view name,
                const Entry& old, Notes& notes) {
   const std::string at = file + ":" + std::to_string(old.line) + ": ";
@@ -53,7 +68,7 @@ namespace {
 struct ReadSections {
   const std::string& file;
   const Node& root;
-  Notes& notes;
+  Findings& found;
   Reading reading;
 
   // The table of a section; nullptr if the file has none.
@@ -78,29 +93,36 @@ struct ReadSections {
 
   template <class T>
   void always(const std::string& path, T& options, const char*) const {
-    if (const Node* node = table(path, "[" + path + "]")) read_fields(file, path, *node, child_sections(path), options, notes, reading);
+    read_as(reading, found, [&] {
+      if (const Node* node = table(path, "[" + path + "]")) read_fields(file, path, *node, child_sections(path), options, found, reading);
+    });
   }
   template <class T>
   void optional(const std::string& path, std::optional<T>& options, const char*) const {
-    if (const Node* node = table(path, "[" + path + "]"))
-      read_fields(file, path, *node, child_sections(path), options.emplace(), notes, reading);
+    read_as(reading, found, [&] {
+      if (const Node* node = table(path, "[" + path + "]"))
+        read_fields(file, path, *node, child_sections(path), options.emplace(), found, reading);
+    });
   }
   template <class T>
   void named(const std::string& path, Named<T>& list, const char*) const {
     const std::string shown = "[" + path + ".NAME] with a name of your choice";
-    const Node* node = table(path, shown);
-    if (!node) return;
-    for (const Entry& entry : node->entries) {
-      const std::string key = joined_key(path, entry.key);
-      demand_table(entry, key, shown);
-      if (entry.key.empty())
-        throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + ".\"\"]: the name is empty");
-      if (!prints(entry.key))
-        throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + "." + toml_key(entry.key) +
-                         "]: the name holds control characters, expected one that prints");
-      list.emplace_back(entry.key, T{});
-      read_fields(file, key, entry.value, {}, list.back().second, notes, reading);
-    }
+    read_as(reading, found, [&] {
+      const Node* node = table(path, shown);
+      if (!node) return;
+      for (const Entry& entry : node->entries)
+        read_as(reading, found, [&] {
+          const std::string key = joined_key(path, entry.key);
+          demand_table(entry, key, shown);
+          if (entry.key.empty())
+            throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + ".\"\"]: the name is empty");
+          if (!prints(entry.key))
+            throw InputError(file + ":" + std::to_string(entry.line) + ": [" + path + "." + toml_key(entry.key) +
+                             "]: the name holds control characters, expected one that prints");
+          list.emplace_back(entry.key, T{});
+          read_fields(file, key, entry.value, {}, list.back().second, found, reading);
+        });
+    });
   }
 };
 
@@ -109,9 +131,13 @@ Case parsed(const Node& root, const std::string& name, const std::filesystem::pa
   c.folder = folder;
   std::vector<std::string> top = child_sections("");
   top.insert(top.begin(), "name");
-  read_as(reading, c.notes, [&] { refuse_unknown_keys(name, "", root, top, {}); });
-  if (const Entry* entry = root.find("name")) read_value(Place{name, "name", entry->line}, entry->value, {}, c.name);
-  for_each_section(c, ReadSections{name, root, c.notes, reading});
+  Findings found{c.notes};
+  read_as(reading, found, [&] { refuse_unknown_keys(name, "", root, top, {}); });
+  read_as(reading, found, [&] {
+    if (const Entry* entry = root.find("name")) read_value(Place{name, "name", entry->line}, entry->value, {}, c.name);
+  });
+  for_each_section(c, ReadSections{name, root, found, reading});
+  found.faults.raise(name);
   return c;
 }
 

@@ -64,7 +64,13 @@ void add_frames(CLI::App& app, Arguments& arguments) {
 }
 
 void add_resume(CLI::App& app, Arguments& arguments) {
-  app.add_flag("--resume", arguments.resume, "continue the interrupted run in the output folder");
+  app.add_flag("--resume", arguments.resume,
+               "continue the interrupted or failed run in the output folder; of a finished record, simulate anew what other keys "
+               "of the simulation ask for");
+}
+
+void add_force(CLI::App& app, Arguments& arguments) {
+  app.add_flag("--force", arguments.force, "replace the finished record in the output folder");
 }
 
 void add_junit(CLI::App& app, Arguments& arguments) {

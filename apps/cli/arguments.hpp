@@ -20,6 +20,7 @@ struct Arguments {
   std::string frames;     // empty: the case's
   std::vector<std::string> given;  // keys of the case, "piv.window_px=24" each, that win over the file's
   bool resume = false;
+  bool force = false;     // replace a finished record
   bool no_report = false;
   bool json = false;      // the comparison as JSON in place of the usual lines
   std::string junit;      // file for the limits' verdicts; empty: none
@@ -30,6 +31,7 @@ void add_case(CLI::App& app, Arguments& arguments, const std::string& left_out =
 void add_out(CLI::App& app, Arguments& arguments, const std::string& fallback);
 void add_frames(CLI::App& app, Arguments& arguments);
 void add_resume(CLI::App& app, Arguments& arguments);
+void add_force(CLI::App& app, Arguments& arguments);
 void add_junit(CLI::App& app, Arguments& arguments);
 void add_no_report(CLI::App& app, Arguments& arguments);
 void add_json(CLI::App& app, Arguments& arguments);

@@ -1,6 +1,7 @@
 // Commands on a case: run and its parts, init, check, synth.
 #include <CLI/CLI.hpp>
 #include <fstream>
+#include <iostream>
 #include <memory>
 #include <ostream>
 
@@ -33,12 +34,20 @@ void demand(const Case& c, const Arguments& arguments, Stages stages) {
     throw InputError(title_of(c) + ": [compare.limits]: given, but nothing is compared; expected frames and [mpm]");
 }
 
+// A finished record is hours of work: it is not replaced unasked.
+void spare_record(const fs::path& out) {
+  std::error_code ignored;
+  if (!fs::exists(out / "record.h5", ignored) || fs::exists(out / "parts", ignored)) return;
+  throw InputError((out / "record.h5").string() + ": is there already; --force replaces it, --resume goes on from it, --out DIR writes elsewhere");
+}
+
 Action declare_stages(CLI::App& app, Session& session, Stages stages) {
   const auto arguments = std::make_shared<Arguments>();
   add_case(app, *arguments);
   add_out(app, *arguments, "out/<name of the case's folder>");
   add_frames(app, *arguments);
   add_resume(app, *arguments);
+  add_force(app, *arguments);
   if (stages == Stages::all) add_junit(app, *arguments);
   if (stages == Stages::all) add_json(app, *arguments);
   add_no_report(app, *arguments);
@@ -46,10 +55,12 @@ Action declare_stages(CLI::App& app, Session& session, Stages stages) {
   return [arguments, stages, &session] {
     const Case c = load_case(*arguments, session);
     demand(c, *arguments, stages);
+    const RunSettings settings = settings_for(*arguments, session, c, default_out(c));
+    if (!arguments->resume && !arguments->force) spare_record(settings.out);
     RunOutcome outcome;
     {
       TerminalProgress progress = progress_for(session);
-      outcome = run_case(c, settings_for(*arguments, session, c, default_out(c)), stages, progress);
+      outcome = run_case(c, settings, stages, progress);
     }
     return print_outcome(outcome, *arguments, c.name, session, true);
   };
@@ -61,6 +72,13 @@ std::string schema_file() {
   const fs::path program = fs::read_symlink("/proc/self/exe", failed);
   const fs::path schema = program.parent_path().parent_path() / "share" / "pivnp" / "case.schema.json";
   return fs::exists(schema, failed) ? schema.string() : "";
+}
+
+// Where a case that is printed comes to lie: the folder of the file that takes the output, else the one the user is in.
+fs::path folder_of_output(const Session& session) {
+  std::error_code failed;
+  const fs::path file = &session.out == &std::cout ? fs::read_symlink("/proc/self/fd/1", failed) : fs::path();
+  return fs::is_regular_file(file, failed) ? file.parent_path() : fs::current_path();
 }
 
 // Writes a file that does not exist yet, unless `force`.
@@ -91,8 +109,8 @@ Action declare_init(CLI::App& app, Session& session) {
   app.add_option("--metres-per-pixel", init->options.metres_per_pixel, "scale, if it is known")
       ->check(CLI::PositiveNumber);
   app.add_option("--rate-hz", init->options.rate_hz, "frames per second of the recording")->check(CLI::PositiveNumber);
-  app.add_option("--out", init->out, "writes DIR/case.toml (default: the case is printed, with the frames' full path)")
-      ->type_name("DIR");
+  app.add_option("--out", init->out, "writes DIR/case.toml (default: the case is printed)")->type_name("DIR");
+  app.add_flag("--all", init->options.all, "all keys of measurement and simulation, as comments");
   app.add_flag("--force", init->force, "replace a case.toml that is there");
   add_session(app, session);
   return [init, &session] {
@@ -103,10 +121,9 @@ Action declare_init(CLI::App& app, Session& session) {
                        fs::path(init->frames[0]).extension().string() + "'");
     InitOptions options = init->options;
     const fs::path file = fs::path(init->out) / "case.toml";
-    // Printed, the case may come to lie anywhere: only a full path holds then.
-    options.frames = init->out.empty() ? fs::absolute(init->frames[0]).lexically_normal().string() : init->frames[0];
+    options.frames = init->frames[0];
     options.schema = schema_file();
-    options.folder = init->out.empty() ? fs::current_path() : fs::path(init->out);
+    options.folder = init->out.empty() ? folder_of_output(session) : fs::path(init->out);
     const std::string text = init_case(options);
     if (init->out.empty()) {
       session.out << text;

@@ -160,6 +160,33 @@ double hausdorff_95(const std::vector<std::vector<Vec2>>& first, const std::vect
   return std::max(distances(first, second, step).at(0.95), distances(second, first, step).at(0.95));
 }
 
+namespace {
+
+// Material that was not followed to the end is away in the outline at the end, wherever it has gone. How much that is, is measured
+// where it is known: at the start.
+ShapeMeasures::Lost lost_material(const DataSet& set, const MaterialMesh& start, double cell, double spacing) {
+  ShapeMeasures::Lost lost;
+  std::vector<Vec2> x;
+  std::vector<double> apart;
+  for (std::size_t p = 0; p < set.size(); ++p) {
+    if (!set.state().followed[p]) continue;
+    x.push_back(set.material_position()[p]);
+    apart.push_back(set.spacing()[p]);
+  }
+  if (x.size() >= start.points().size() || x.size() < 3) return {};
+  lost.area = double(start.points().size() - x.size()) * spacing * spacing;
+  const MaterialMesh left(std::move(x), std::move(apart));
+  const Lattice lattice = lattice_around(start, left, cell, spacing / 2, std::nullopt);
+  const auto whole = outline(cover(start, spacing / 2, lattice)), rest = outline(cover(left, spacing / 2, lattice));
+  if (whole.empty() || rest.empty()) return lost;
+  const Quantile out = distances(whole, rest, lattice.cell), back = distances(rest, whole, lattice.cell);
+  lost.usual = std::max(out.at(0.95), back.at(0.95));
+  lost.greatest = std::max(out.at(1), back.at(1));
+  return lost;
+}
+
+}  // namespace
+
 ShapeMeasures measure_shapes(const ShapeSources& sources, const Differences& differences,
                              const CompareOptions& options) {
   ShapeMeasures out;
@@ -174,7 +201,16 @@ ShapeMeasures measure_shapes(const ShapeSources& sources, const Differences& dif
   const Cover first = cover(end[0], spacing[0] / 2, lattice), second = cover(end[1], spacing[1] / 2, lattice);
   out.outlines = {outline(first), outline(second)};
   out.mobilised = mobilised(sets, differences, options, sigma);
-  for (std::size_t s = 0; s < 2; ++s) out.place_uncertainty[s] = std::hypot(spacing[s] / std::sqrt(12.0), sigma[s]);
+  for (std::size_t s = 0; s < 2; ++s) {
+    out.lost[s] = lost_material(*sets[s], *start[s], cell, spacing[s]);
+    out.place_uncertainty[s] = std::hypot(spacing[s] / std::sqrt(12.0), sigma[s], out.lost[s].usual);
+    if (!out.mobilised || out.lost[s].area == 0) continue;
+    double& u = out.mobilised->uncertainty[s];  // between none and all of what is lost is mobilised: rectangular, about none
+    const double more = out.lost[s].area / std::sqrt(3.0);
+    u = std::isfinite(u) ? std::hypot(u, more) : more;
+    double& of_difference = out.mobilised->difference_uncertainty;
+    if (std::isfinite(of_difference)) of_difference = std::hypot(of_difference, more);
+  }
   if (out.outlines[0].empty() || out.outlines[1].empty()) return out;
 
   // An outline of length L that moves outwards by u everywhere changes either area by at most L u: so much is the share
@@ -201,7 +237,7 @@ ShapeMeasures measure_shapes(const ShapeSources& sources, const Differences& dif
   for (std::size_t s = 0; s < 2; ++s) {
     out.slope->toe_x[s] = toe(out.outlines[s], shape[s].faces);
     const TipErrors known = tip_errors(*sets[s], last.frame[s].motion, shape[s], base, sigma[s]);
-    out.slope->drawn_uncertainty[s] = std::hypot(spacing[s] / std::sqrt(12.0), known.given);
+    out.slope->drawn_uncertainty[s] = std::hypot(spacing[s] / std::sqrt(12.0), known.given, out.lost[s].greatest);
     out.slope->tip_uncertainty[s] = known.tip;
   }
   return out;

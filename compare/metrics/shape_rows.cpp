@@ -62,8 +62,8 @@ void add_outlines(Registry<MetricRow>& rows) {
               return MetricValue{iou, u,
                                  on_cells(f) +
                                      "; uncertainty, a bound: length of each outline times what it is uncertain by "
-                                     "(half a particle spacing, rectangular, and the error of u, where known) over the "
-                                     "area of either"};
+                                     "(half a particle spacing, rectangular, the error of u, where known, and what lost particles "
+                                     "move it by) over the area of either"};
             }});
   rows.add({{.name = "outline_hausdorff_95", .unit = "L",
              .definition = "Hausdorff distance of the outlines, 95 %: of points a cell apart on each, the 95th percentile "
@@ -72,8 +72,8 @@ void add_outlines(Registry<MetricRow>& rows) {
             [](const Findings& f) -> std::optional<MetricValue> {
               if (!f.shapes.between) return std::nullopt;
               return difference(f.shapes.between->hausdorff_95, f.shapes.between->hausdorff_uncertainty,
-                                on_cells(f) + "; uncertainty: half a particle spacing of each data set (rectangular) and "
-                                              "the errors of u, where known");
+                                on_cells(f) + "; uncertainty: half a particle spacing of each data set (rectangular), "
+                                              "the errors of u, where known, and what lost particles move the outlines by");
             }});
 }
 

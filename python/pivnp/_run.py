@@ -26,7 +26,7 @@ def program() -> str:
 
 
 def run(case: Union[None, str, os.PathLike[str]] = None, *, command: str = "run", out: Union[None, str, os.PathLike[str]] = None,
-        frames: Union[None, str, os.PathLike[str]] = None, resume: bool = False, threads: int = 0, progress: bool = False,
+        frames: Union[None, str, os.PathLike[str]] = None, resume: bool = False, force: bool = False, threads: int = 0, progress: bool = False,
         **settings: Any) -> Record:
     """Runs a case and gives its record.
 
@@ -35,6 +35,7 @@ def run(case: Union[None, str, os.PathLike[str]] = None, *, command: str = "run"
     out       folder for the results (left out: out/<name of the case's folder>)
     frames    frames in place of the case's
     resume    continue the interrupted run in `out`
+    force     replace a finished record in `out`
     progress  show the program's progress and notes on standard error
     settings  keys that win over the case's: piv={"window_px": 24}, or **{"piv.window_px": 24}
 
@@ -50,6 +51,8 @@ def run(case: Union[None, str, os.PathLike[str]] = None, *, command: str = "run"
         words += ["--frames", os.fspath(frames)]
     if resume:
         words.append("--resume")
+    if force:
+        words.append("--force")
     if threads > 0:
         words += ["--threads", str(threads)]
     # In a group of its own: the terminal's Ctrl-C comes to Python, which passes it on once (twice would end the program at once).

@@ -101,7 +101,7 @@ def small_files():
     resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000))
 
 
-full = run(program, "run", good, "--frames", str(frames / "*.png"), "--out", done, preexec_fn=small_files)
+full = run(program, "run", good, "--frames", str(frames / "*.png"), "--out", done, "--force", preexec_fn=small_files)
 expect("full disk", full, 1, "done")
 if (done / "record.h5").read_bytes() != before:
     faults.append("full disk: the former record was touched")

@@ -133,7 +133,7 @@ for name, text in (("deep key", "a." * 20000 + "b = 1\n"), ("deep list", "a = " 
 for name, arguments, environment in (("--threads 4096", ["--threads", "4096"], {}), ("OMP_NUM_THREADS", [], {"OMP_NUM_THREADS": "1000000"})):
     start = time.monotonic()
     (there / "case.toml").write_text(LEAST)
-    done = subprocess.run([program, "run", str(there), "--out", str(there / "threads"), *arguments], capture_output=True, text=True,
+    done = subprocess.run([program, "run", str(there), "--out", str(there / "threads"), "--force", *arguments], capture_output=True, text=True,
                           env=dict(os.environ, QT_QPA_PLATFORM="offscreen", **environment), stdin=subprocess.DEVNULL, timeout=120)
     if done.returncode != 0 or time.monotonic() - start > 60:
         faults.append(f"{name}: exit {done.returncode} after {time.monotonic() - start:.0f} s: {done.stderr[-300:]}")
@@ -141,7 +141,7 @@ for name, arguments, environment in (("--threads 4096", ["--threads", "4096"], {
 # Threads that wait do not spin for long, unless the user says how they wait.
 for environment, brief in (({}, True), ({"OMP_WAIT_POLICY": "active"}, False)):
     given = {k: v for k, v in os.environ.items() if k not in ("GOMP_SPINCOUNT", "OMP_WAIT_POLICY")}
-    run = subprocess.Popen([program, "run", str(there), "--out", str(there / "waiting")], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    run = subprocess.Popen([program, "run", str(there), "--out", str(there / "waiting"), "--force"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                            env=dict(given, QT_QPA_PLATFORM="offscreen", **environment), stdin=subprocess.DEVNULL)
     seen = False
     while run.poll() is None:

@@ -41,7 +41,7 @@ here = folder()
 done(run(program, "run", here / "few.toml", "--out", here / "alone", "--quiet"))
 done(run(program, "run", here / "many.toml", "--out", here / "out", "--quiet"))
 assert measured(here / "out")[0] == 12
-done(run(program, "run", here / "few.toml", "--out", here / "out", "--quiet"))
+done(run(program, "run", here / "few.toml", "--out", here / "out", "--quiet", "--force"))
 count, vectors = measured(here / "out")
 assert count == 5, count
 assert numpy.array_equal(vectors, measured(here / "alone")[1], equal_nan=True)
@@ -60,7 +60,7 @@ assert [f.name for f in (others / "frames").glob("*.png")] == ["frame_00007.png"
 # Nor is a frame that somebody put beside those drawn here.
 beside = here / "out" / "frames" / "frame_lab_01.png"
 shutil.copy(here / "out" / "frames" / "frame_00000.png", beside)
-refused(run(program, "run", here / "few.toml", "--out", here / "out"), "frame_lab_01.png")
+refused(run(program, "run", here / "few.toml", "--out", here / "out", "--force"), "frame_lab_01.png")
 assert beside.exists() and (here / "out" / "frames" / "frame_00004.png").exists()
 beside.unlink()
 
@@ -69,7 +69,7 @@ before = {f: f.read_bytes() for f in (here / "out" / "frames").iterdir()}
 with open(here / "out" / ".lock", "w") as lock:
     fcntl.flock(lock, fcntl.LOCK_EX)
     for command in ("run", "synth"):
-        refused(run(program, command, here / "many.toml", "--out", here / "out"), "another run")
+        refused(run(program, command, here / "many.toml", "--out", here / "out", *(["--force"] if command == "run" else [])), "another run")
 assert before == {f: f.read_bytes() for f in (here / "out" / "frames").iterdir()}
 
 # A run stopped while it measures; then its frames change.

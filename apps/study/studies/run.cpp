@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
+#include <new>
 #include <utility>
 
 #include "apps/study/methods/frames/camera_motion.hpp"
@@ -79,7 +81,7 @@ class Run {
     setting_.sources = sources_of(c_, source_.get(), vectors_.get(), progress_);
     for (const fs::path& file : setting_.moving_masks.files())
       setting_.sources.push_back(io::identity_of(file, file.filename().string(), progress_));
-    writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads, lock_);
+    writer_ = std::make_unique<io::RecordWriter>(settings.out, head(), settings.resume, settings.threads, lock_, keys_of_stage);
   }
 
   bool measures = false, tracks = false, simulates = false;
@@ -155,6 +157,46 @@ class Run {
         doubt({"The mesh study ended at grid " + std::to_string(level) + ": " + error.what() + "."});
         break;
       }
+    for (int level = coarser_grids_ + 1; level <= 2; ++level)  // the most that compare.mesh_study takes
+      writer_->leave_out(coarser_motion(level));
+  }
+
+  // A stage that needs what those before it have found. Where it fails, their results stand, and the error is told at the end.
+  template <class Work>
+  void attempt(const std::string& motion, const std::string& what, Work&& work) {
+    try {
+      work();
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const std::exception& error) {
+      failure_ = std::current_exception();
+      writer_->leave_out(motion);
+      tracks = tracks && motion != "np";
+      doubt({what + " failed: " + error.what() + "."});
+    }
+  }
+  bool failed() const { return failure_ != nullptr; }
+
+  // The record and the report of what has been finished; then the failure, with its exit code.
+  [[noreturn]] void finish_failed() {
+    std::string kept;
+    try {
+      pack();
+      if (tracks) note_strains();
+      finish();
+      kept = " (what was finished before is in " + (settings_.out / "record.h5").string() + (settings_.report ? " and its report" : "") +
+             "; --resume goes on from there)";
+    } catch (const std::exception&) {  // a full disk, as a rule: what failed first is to be told
+    }
+    try {
+      std::rethrow_exception(failure_);
+    } catch (const InputError& error) {
+      throw InputError(error.what() + kept);
+    } catch (const std::bad_alloc&) {
+      throw RunError("out of memory" + kept);
+    } catch (const std::exception& error) {
+      throw RunError(error.what() + kept);
+    }
   }
 
   void pack() {
@@ -198,7 +240,7 @@ class Run {
     writer_->set_cost(progress_.cost());
     note(remarks_on_tracking(tracked_, frames_));
     writer_->set_remarks(outcome_.remarks);
-    writer_->finish();
+    writer_->finish(failed());
     progress_.begin("report");
     outcome_.record = settings_.out / "record.h5";
     outcome_.remarks.clear();  // the record has them
@@ -278,6 +320,7 @@ class Run {
   StrainNote note_;
   std::optional<Comparison> comparison_;
   std::string not_compared_;  // why
+  std::exception_ptr failure_;  // of the stage that ended the run
   RunOutcome outcome_;
 };
 
@@ -287,8 +330,12 @@ RunOutcome run_case(const Case& c, const RunSettings& settings, Stages stages, P
   return placed(c, settings, [&] {
     Run run(c, settings, stages, progress);
     if (run.measures) run.measure_vectors();
-    if (run.tracks) run.follow_particles();
-    if (run.simulates) run.simulate_motion();
+    if (run.tracks) run.attempt("np", "Tracking", [&] { run.follow_particles(); });
+    if (run.simulates && !run.measures)
+      run.simulate_motion();
+    else if (run.simulates && !run.failed())
+      run.attempt("mpm", "The simulation", [&] { run.simulate_motion(); });
+    if (run.failed()) run.finish_failed();
     run.pack();
     if (run.tracks) run.note_strains();
     if (run.tracks && run.simulates) run.compare_motions();

@@ -37,7 +37,30 @@ std::string drawn_from(Case c) {
   if (!c.frames) c.frames = image::FrameOptions{};
   c.frames->path.clear();
   if (!c.frames->rate_hz) c.frames->rate_hz = 1.0;
-  return write_case(c);
+  // What is measured of them, simulated beside them and reported is no part of the drawing.
+  Case drawn;
+  drawn.frames = c.frames;
+  drawn.camera = c.camera;
+  drawn.grid = c.grid;
+  drawn.regions = c.regions;
+  drawn.masks = c.masks;
+  drawn.synth = c.synth;
+  drawn.texture = c.texture;
+  drawn.synth_camera = c.synth_camera;
+  if (c.synth->motion == SynthMotion::mpm) {  // carried by a simulation of its own, in the scene of the case
+    drawn.synth_materials = c.synth_materials;
+    drawn.synth_mpm = c.synth_mpm;
+    drawn.initial = c.initial;
+    drawn.boundaries = c.boundaries;
+    drawn.bodies = c.bodies;
+    drawn.contacts = c.contacts;
+    drawn.centrifuge = c.centrifuge;
+    drawn.water = c.water;
+    drawn.heat = c.heat;
+    drawn.piv = c.piv;  // whose window the spacing of the nodes is a part of
+    if (c.mpm) drawn.mpm.emplace().domain_m = c.mpm->domain_m;
+  }
+  return write_case(drawn);
 }
 
 std::string line_of(const io::FileIdentity& file) {

@@ -1,12 +1,14 @@
 // Tables of tracks: one row a particle and time. Columns by name, in any order, separated by comma, semicolon or tab:
 // x, y; id (or particle, track, "Particle Id"); time or t (times) or frame or step (counted by `step`); where known ux,
-// uy (displacement), vx, vy (velocity), sigma_x, sigma_y (standard uncertainty of the position), area. Without a column
-// of times every file is one time.
+// uy (displacement), vx, vy (velocity), sigma_x, sigma_y (standard uncertainty of the position), area, status (as `pivnp export`
+// writes it: a particle that is not followed at a time has no position there). A name may state its unit, "x (mm)". Without a
+// column of times every file is one time.
 #include <cmath>
 #include <map>
 #include <string_view>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/motion.hpp"
 #include "pivnp/io/imports/import_format.hpp"
 #include "pivnp/io/imports/text_table.hpp"
 
@@ -15,8 +17,17 @@ namespace pivnp::io {
 namespace {
 
 struct Columns {
-  int x, y, id, time, frame, ux, uy, vx, vy, sx, sy, area;
+  int x, y, id, time, frame, ux, uy, vx, vy, sx, sy, area, status;
 };
+
+// The unit goes from "x(mm)"; what it was is returned.
+std::string take_unit(std::string& name) {
+  const std::size_t at = name.find('(');
+  if (at == name.npos || at == 0 || !name.ends_with(')')) return "";
+  const std::string unit = name.substr(at + 1, name.size() - at - 2);
+  name.resize(at);
+  return unit;
+}
 
 Columns find_columns(const std::vector<std::string>& h) {
   return {column_of(h, {"x", "coord_x", "position_x", "points_0", "points:0", "positionx"}),
@@ -30,7 +41,8 @@ Columns find_columns(const std::vector<std::string>& h) {
           column_of(h, {"vy", "v_y", "velocity_y", "velocity_1", "velocity:1", "velocityy"}),
           column_of(h, {"sigma_x", "sigmax"}),
           column_of(h, {"sigma_y", "sigmay"}),
-          column_of(h, {"area", "volume"})};
+          column_of(h, {"area", "volume"}),
+          column_of(h, {"status"})};
 }
 
 }  // namespace
@@ -39,12 +51,21 @@ ImportedTable read_csv(const std::filesystem::path& file, double step) {
   TextLines lines(file);
   std::string_view line = line_of_names(lines);
   const char separator = line.find(';') != line.npos ? ';' : line.find('\t') != line.npos ? '\t' : ',';
-  const std::vector<std::string> header = header_of(line, separator);
+  std::vector<std::string> header = header_of(line, separator), units;
+  for (std::string& name : header) units.push_back(take_unit(name));
   const Columns c = find_columns(header);
   if (c.x < 0 || c.y < 0)
     throw InputError(lines.at() + "no column '" + (c.x < 0 ? "x" : "y") + "' among the names, expected x and y");
   const bool timed = c.time >= 0 || c.frame >= 0;
   if (timed && c.id < 0) throw InputError(lines.at() + "times without ids: expected a column 'id'");
+
+  ImportedTable table;
+  table.timed = timed;
+  table.length_unit = units[std::size_t(c.x)];
+  if (c.time >= 0) table.time_unit = units[std::size_t(c.time)];
+  for (const int k : {c.y, c.ux, c.uy, c.sx, c.sy})
+    if (k >= 0 && units[std::size_t(k)] != table.length_unit)
+      throw InputError(lines.at() + "column '" + header[std::size_t(k)] + "' is in '" + units[std::size_t(k)] + "', expected the unit of x, '" + table.length_unit + "'");
 
   std::map<double, ImportedState> states;
   while (lines.next(line)) {
@@ -62,15 +83,14 @@ ImportedTable read_csv(const std::filesystem::path& file, double step) {
       if (!(std::abs(id) < 9e15) || id != std::floor(id)) throw InputError(lines.at() + "id: expected a whole number");
       s.id.push_back(std::int64_t(id));
     }
-    s.x.push_back({value(c.x), value(c.y)});
+    const bool away = c.status >= 0 && value(c.status) != double(ParticleStatus::active) && value(c.status) != double(ParticleStatus::flagged);
+    s.x.push_back(away ? std::array{std::nan(""), std::nan("")} : std::array{value(c.x), value(c.y)});
     if (c.ux >= 0 && c.uy >= 0) s.u.push_back({value(c.ux), value(c.uy)});
     if (c.vx >= 0 && c.vy >= 0) s.v.push_back({value(c.vx), value(c.vy)});
     if (c.sx >= 0 && c.sy >= 0) s.sigma.push_back({value(c.sx), value(c.sy)});
     if (c.area >= 0) s.area.push_back(value(c.area));
   }
   if (states.empty()) throw InputError(file.string() + ": no row of values");
-  ImportedTable table;
-  table.timed = timed;
   for (auto& [time, state] : states) {
     table.time.push_back(time);
     table.state.push_back(std::move(state));

@@ -35,6 +35,7 @@ struct ImportedTable {
   std::vector<double> time;
   std::vector<ImportedState> state;
   bool timed = false;
+  std::string length_unit = {}, time_unit = {};  // where the file states them
 };
 
 /// Displacement vectors of one pair of frames, in the file's order. Arrays of one length, but for those that the file

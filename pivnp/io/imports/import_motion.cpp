@@ -25,6 +25,8 @@ class ImportedMotion final : public MotionSource {
     if (format_.read_table && files.size() == 1 && files.begin()->second.size() == 1) {
       table_ = format_.read_table(files.begin()->second[0], options.step);
       times_ = table_.time;
+      if (!table_.length_unit.empty()) options_.length_unit = table_.length_unit;
+      if (!table_.time_unit.empty()) options_.time_unit = table_.time_unit;
     } else {
       for (const auto& [number, list] : files) {
         if (list.size() > 1 && !format_.several)

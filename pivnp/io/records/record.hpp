@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -52,6 +53,9 @@ struct StageState {
   bool complete = false;
 };
 
+/// What of a case's text the results of a stage ("piv", "motion/np" ...) depend on.
+using StageKeys = std::function<std::string(const std::string& case_text, const std::string& stage)>;
+
 /// Writes a record. Each stage ("piv", "motion/np", "motion/mpm") leaves segment files of at most 64 items (or 256 MiB,
 /// if that is reached earlier): written under a temporary name, closed, fsynced, renamed. Items go to disk as they
 /// come; nothing grows with their number. A full disk throws RunError naming file and cause, earlier segments intact,
@@ -66,9 +70,11 @@ class RecordWriter {
   /// stay those of the first start. A run that is already finished (record.h5 of the same case, no parts) counts as
   /// complete in every stage: pair() reads from the record, begin_motion, set_*, close_segment, end_stage and finish do
   /// nothing, add_* is wrong use. With nothing there to resume it starts afresh. `threads` pack the record. `held`: the
-  /// directory's lock, where the run took it before; nullptr: taken here.
+  /// directory's lock, where the run took it before; nullptr: taken here. `keys`: where the case differs, motions whose own
+  /// keys differ begin anew and the rest is kept, of a finished record the measurement ("piv" and "motion/np"); its frames,
+  /// camera motion, closure and strain notes then stay as well. Other keys of "piv" are refused as above.
   RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads = 1,
-               std::shared_ptr<const DirectoryLock> held = nullptr);
+               std::shared_ptr<const DirectoryLock> held = nullptr, const StageKeys& keys = {});
   ~RecordWriter();  // what is in an open segment is lost: close it first if a resumed run is to go on from there
 
   /// What a former run left, up to the last segment with a checkpoint.
@@ -88,6 +94,9 @@ class RecordWriter {
   void close_segment(const std::string& stage, const std::vector<std::byte>& checkpoint);
   /// Closes the stage; `particles` carries the final ends of a motion (nullptr for "piv").
   void end_stage(const std::string& stage, const ParticleSet* particles);
+
+  /// Leaves a motion out of the record, whatever it has come to; its closed segments stay for `resume`.
+  void leave_out(const std::string& motion);
 
   VectorField pair(std::size_t index) const;  // read back from closed or open segments
   void set_frames(const std::vector<Frame>& frames);
@@ -115,8 +124,8 @@ class RecordWriter {
   void set_strain_note(const std::string& motion, const StrainNote& note);
 
   /// Packs (if that is not done), adds the comparison, puts record.h5 in place (write, fsync, rename), writes
-  /// record.xdmf, removes parts/.
-  void finish();
+  /// record.xdmf, removes parts/; with `to_be_resumed` parts/ stay, since a stage is missing.
+  void finish(bool to_be_resumed = false);
 
  private:
   struct Impl;

@@ -170,11 +170,16 @@ void check_same_instruction_set(const h5::Source& source, const std::string& whe
                      " (on a processor that has it), or run without --resume to start again");
 }
 
-void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where) {
-  const std::string advice = "; run without --resume to start again";
-  const std::string difference = difference_of_cases(there.case_text, now.case_text);
+void check_same_case(const RecordHead& there, const RecordHead& now, const std::string& where, const StageKeys& keys, const std::string& stage) {
+  const auto text = [&](const RecordHead& head) { return keys ? keys(head.case_text, stage) : head.case_text; };
+  const std::string difference = difference_of_cases(text(there), text(now));
   if (!difference.empty())
-    throw InputError(where + ": the case differs from that of the run to resume, " + difference + advice);
+    throw InputError(where + ": the case differs from that of the run to resume, " + difference + "; run without --resume to start again");
+}
+
+void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where, const StageKeys& keys) {
+  const std::string advice = "; run without --resume to start again";
+  check_same_case(there, now, where, keys, "piv");
   // Records of before 1.3 do not tell; they are finished.
   const std::string file = there.sources.empty() ? "" : first_difference(there.sources, now.sources);
   if (!file.empty())

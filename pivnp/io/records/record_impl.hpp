@@ -27,7 +27,7 @@ struct RecordWriter::Impl {
     std::size_t items() const { return open ? open->first() + open->count() : files.items(); }
   };
 
-  Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume, std::shared_ptr<const DirectoryLock> held);
+  Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume, std::shared_ptr<const DirectoryLock> held, const StageKeys& keys);
 
   Stage& writable(const std::string& name);
   void add(const std::string& name, const std::vector<ItemArray>& arrays);
@@ -40,6 +40,8 @@ struct RecordWriter::Impl {
   void pack_into(h5::OutputFile& out) const;
   void guarded(h5::OutputFile& out, const std::function<void()>& work) const;
   void remove_parts();
+  void commit_head();
+  void keep_notes(const RecordReader& record);
 
   std::filesystem::path directory, parts;
   RecordHead head;
@@ -51,6 +53,7 @@ struct RecordWriter::Impl {
   std::string energy_motion;                   // the one whose energies and reactions are kept
   std::map<std::string, StageFiles> former;    // as found on disk
   std::unique_ptr<RecordReader> finished;      // resumed, but there is nothing left to do
+  std::unique_ptr<RecordReader> kept;          // a finished record whose measurement this run goes on from
   std::vector<Frame> frames;
   CameraMotion camera_motion;
   std::optional<ClosureNote> closure;
@@ -65,7 +68,8 @@ struct RecordWriter::Impl {
 
  private:
   void start_afresh();
-  void take_up();
+  void take_up(const StageKeys& keys);
+  void begin_parts();
 };
 
 /// /, /case, /grid and /camera.
@@ -77,6 +81,8 @@ BuildInfo read_written_by(const h5::Source& source);
 void check_same_program(const BuildInfo& there, const std::string& where);
 /// Throws InputError if the run to resume began with another instruction set than the kernels run on now.
 void check_same_instruction_set(const h5::Source& source, const std::string& where);
-void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where);
+void check_same_run(const RecordHead& there, const RecordHead& now, const std::string& where, const StageKeys& keys = {});
+/// The same of the case alone, as far as `stage` depends on it; all of it where `keys` are none.
+void check_same_case(const RecordHead& there, const RecordHead& now, const std::string& where, const StageKeys& keys, const std::string& stage);
 
 }  // namespace pivnp::io

@@ -40,7 +40,7 @@ void require(bool ok, const std::string& what) {
 }  // namespace
 
 RecordWriter::Impl::Impl(const std::filesystem::path& dir, const RecordHead& h, bool resume,
-                         std::shared_ptr<const DirectoryLock> held)
+                         std::shared_ptr<const DirectoryLock> held, const StageKeys& keys)
     : directory(dir),
       parts(dir / "parts"),
       head(h),
@@ -50,13 +50,32 @@ RecordWriter::Impl::Impl(const std::filesystem::path& dir, const RecordHead& h, 
     std::filesystem::remove_all(directory / left);
   const std::filesystem::path record = directory / "record.h5";
   if (resume && std::filesystem::exists(parts / "head.h5")) {
-    take_up();
+    take_up(keys);
   } else if (resume && std::filesystem::exists(record)) {
     finished = std::make_unique<RecordReader>(record);
-    check_same_run(finished->head(), head, record.string());
+    check_same_run(finished->head(), head, record.string(), keys);
+    if (keys && finished->head().case_text != head.case_text) {
+      const std::vector<std::string> motions = finished->motion_names();
+      const auto has = [&](const char* name) { return std::find(motions.begin(), motions.end(), name) != motions.end(); };
+      const auto text = [&](const RecordHead& h) { return keys(h.case_text, "motion/mpm"); };
+      check_same_case(finished->head(), head, record.string(), keys, "motion/np");
+      // Nothing but its comparison or its report is to be done anew; other commands do that.
+      if (!has("np") || (has("mpm") && text(finished->head()) == text(head))) check_same_case(finished->head(), head, record.string(), {}, "");
+      check_same_program(read_written_by(h5::Source(record)), record.string());
+      check_same_instruction_set(h5::Source(record), record.string());
+      kept = std::move(finished);
+      begin_parts();  // no head yet: what is killed before all is copied is no run to resume
+    }
   } else {
     start_afresh();
   }
+}
+
+void RecordWriter::Impl::keep_notes(const RecordReader& record) {
+  frames = record.frames();
+  camera_motion = record.camera_motion();
+  closure = record.closure();
+  if (const auto note = record.strain_note("np")) strain_notes["np"] = *note;
 }
 
 void RecordWriter::Impl::remove_parts() {
@@ -66,17 +85,27 @@ void RecordWriter::Impl::remove_parts() {
   std::filesystem::remove_all(old);
 }
 
-void RecordWriter::Impl::start_afresh() {
+void RecordWriter::Impl::begin_parts() {
   remove_parts();
   std::filesystem::create_directories(parts);
   created = utc_now();
+}
+
+void RecordWriter::Impl::commit_head() {
   h5::OutputFile file(parts / "head.h5");
   write_head(file, head, created);
+  if (kept) file.attribute("/", "measured_before", 1.0);
   file.commit();
   sync_directory(directory);
 }
 
-void RecordWriter::Impl::take_up() {
+void RecordWriter::Impl::start_afresh() {
+  begin_parts();
+  commit_head();
+}
+
+void RecordWriter::Impl::take_up(const StageKeys& keys) {
+  RecordHead there;
   {
     if (seal_of(parts / "head.h5") != Seal::intact)
       throw InputError((parts / "head.h5").string() + ": is damaged; run without --resume to start again");
@@ -86,14 +115,26 @@ void RecordWriter::Impl::take_up() {
     if (version != schema_version)
       throw InputError(parts.string() + ": segments of schema version " + shown(version) + ", expected " + schema_version +
                        "; run without --resume to start again");
-    const RecordHead there = read_head(source);
+    there = read_head(source);
     check_same_program(read_written_by(source), parts.string());
     check_same_instruction_set(source, parts.string());
-    check_same_run(there, head, parts.string());
+    check_same_run(there, head, parts.string(), keys);
     head.command = there.command;  // the record tells how the run began
     created = source.attribute_text("/", "created");
+    if (source.has_attribute("/", "measured_before")) {  // its vectors are those of a record, which its particles have made their own
+      check_same_case(there, head, parts.string(), keys, "motion/np");
+      kept = std::make_unique<RecordReader>(directory / "record.h5");
+      keep_notes(*kept);
+    }
   }
+  const auto same = [&](const std::string& stage) { return !keys || keys(there.case_text, stage) == keys(head.case_text, stage); };
   for (StageFiles& files : scan_parts(parts)) {
+    if (!same(files.stage)) {
+      for (const SegmentInfo& segment : files.segments) std::filesystem::remove(segment.path);
+      for (const std::filesystem::path& path : {files.end, files.particles})
+        if (!path.empty()) std::filesystem::remove(path);
+      continue;
+    }
     former[files.stage] = files;
     Stage& stage = stages[files.stage];
     stage.complete = !files.end.empty();
@@ -104,6 +145,7 @@ void RecordWriter::Impl::take_up() {
     }
     stage.files = std::move(files);
   }
+  if (there.case_text != head.case_text) commit_head();
 }
 
 RecordWriter::Impl::Stage& RecordWriter::Impl::writable(const std::string& name) {
@@ -173,9 +215,20 @@ std::int64_t RecordWriter::Impl::free_order() const {
 }
 
 RecordWriter::RecordWriter(const std::filesystem::path& directory, const RecordHead& head, bool resume, int threads,
-                           std::shared_ptr<const DirectoryLock> held)
-    : impl_(std::make_unique<Impl>(directory, head, resume, std::move(held))) {
+                           std::shared_ptr<const DirectoryLock> held, const StageKeys& keys)
+    : impl_(std::make_unique<Impl>(directory, head, resume, std::move(held), keys)) {
   impl_->threads = threads;
+  if (!impl_->kept || std::filesystem::exists(impl_->parts / "head.h5")) return;
+  const RecordReader& record = *impl_->kept;
+  for (std::size_t k = 0; k < record.pair_count(); ++k) add_pair(record.pair(k));
+  if (record.pair_count() > 0) end_stage("piv", nullptr);
+  const std::unique_ptr<MotionSource> np = record.motion("np");
+  begin_motion("np", np->particles());
+  for (std::size_t k = 0; k < np->times().size(); ++k) add_frame("np", np->frame(k));
+  end_stage("motion/np", &np->particles());
+  impl_->keep_notes(record);
+  for (const auto& [name, stage] : impl_->stages) impl_->former[name] = stage.files;
+  impl_->commit_head();
 }
 RecordWriter::~RecordWriter() = default;
 
@@ -290,6 +343,10 @@ void RecordWriter::end_stage(const std::string& name, const ParticleSet* particl
   stage.complete = true;
 }
 
+void RecordWriter::leave_out(const std::string& motion) {
+  if (!impl_->finished) impl_->stages.erase("motion/" + motion);
+}
+
 VectorField RecordWriter::pair(std::size_t index) const {
   if (impl_->finished) return impl_->finished->pair(index);
   const auto it = impl_->stages.find("piv");
@@ -301,7 +358,9 @@ VectorField RecordWriter::pair(std::size_t index) const {
   }
 }
 
-void RecordWriter::set_frames(const std::vector<Frame>& frames) { impl_->frames = frames; }
+void RecordWriter::set_frames(const std::vector<Frame>& frames) {
+  if (!impl_->kept) impl_->frames = frames;
+}
 
 void RecordWriter::set_comparison(const Comparison& comparison) {
   for (const Metric& m : comparison.metrics) {
@@ -330,11 +389,11 @@ void RecordWriter::set_remarks(const std::vector<Remark>& remarks) { impl_->rema
 void RecordWriter::set_cost(const RunCost& cost) { impl_->cost = cost; }
 
 void RecordWriter::set_camera_motion(const CameraMotion& motion) {
-  if (!impl_->finished) impl_->camera_motion = motion;
+  if (!impl_->finished && !impl_->kept) impl_->camera_motion = motion;
 }
 
 void RecordWriter::set_closure(const ClosureNote& note) {
-  if (impl_->finished) return;
+  if (impl_->finished || impl_->kept) return;
   require(note.repeated.empty() || note.repeated.size() == impl_->head.grid.node_count(),
           "a repeated error that is not of the grid's nodes");
   impl_->closure = note;
@@ -346,7 +405,7 @@ void RecordWriter::set_output_fields(const std::vector<std::string>& names) {
 }
 
 void RecordWriter::set_strain_note(const std::string& motion, const StrainNote& note) {
-  if (impl_->finished) return;
+  if (impl_->finished || impl_->kept) return;
   require(impl_->stages.contains("motion/" + motion), "no motion '" + motion + "' to note a strain's gauge of");
   impl_->strain_notes[motion] = note;
 }
@@ -364,13 +423,14 @@ std::unique_ptr<MotionSource> RecordWriter::motion(const std::string& name) cons
   return open_motion(impl_->packed->source(), name, impl_->units, nullptr);
 }
 
-void RecordWriter::finish() {
+void RecordWriter::finish(bool to_be_resumed) {
   if (impl_->finished) return;
   pack();
+  impl_->kept.reset();
   impl_->commit_packed();
   write_xdmf(impl_->directory / "record.h5");
   impl_->last_read.reset();
-  impl_->remove_parts();
+  if (!to_be_resumed) impl_->remove_parts();
   impl_->finished = std::make_unique<RecordReader>(impl_->directory / "record.h5", Trust::known);
 }
 

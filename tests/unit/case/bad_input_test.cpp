@@ -43,6 +43,16 @@ TEST(BadInput, AllUnknownKeysOfASectionAreNamed) {
   EXPECT_LT(line.size(), 1000u);
 }
 
+TEST(BadInput, AllErrorsOfACaseAreToldAtOnce) {
+  EXPECT_EQ(refusal("[frames]\npath = 'a'\nrate_hz = -2\n[piv]\nwindw_px = 24\nmethod = 3\n[region.a]\npolygon_m = [[0, 0], [1]]\n"),
+            "c.toml:3: frames.rate_hz: found -2, expected more than 0 (Hz); line 5: unknown key 'piv.windw_px'; did you mean 'window_px'?; "
+            "line 6: piv.method: found 3, expected a string; line 8: region.a.polygon_m: found a list of 1, expected a list of points [[x, y], ...] (m)");
+  // What only the whole case shows.
+  const std::string line = refusal("[frames]\npath = 'a'\nfirst = 5\nlast = 3\n[grid]\nspacing_px = 4\nspacing_m = 1e-3\n[output]\nfields = ['strain_dve']\n");
+  EXPECT_EQ(line.rfind("c.toml:4: frames.last: found 3", 0), 0u) << line;
+  for (const char* part : {"; line 7: grid.spacing_m", "; line 9: output.fields"}) EXPECT_NE(line.find(part), line.npos) << part << line;
+}
+
 TEST(BadInput, UnknownSections) {
   EXPECT_EQ(refusal("[pivv]\nwindow_px = 32\n"), "c.toml:1: unknown section [pivv]; did you mean 'piv'?");
   EXPECT_EQ(refusal("[synth.textures]\nbits = 8\n"),

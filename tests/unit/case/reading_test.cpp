@@ -93,9 +93,11 @@ TEST(Reading, TheInitialEquilibriumByItsFormerKeys) {
 }
 
 TEST(Init, TheFirstCaseReadsAsItIs) {
-  for (const FrameFacts& facts : {FrameFacts{1920, 1080, 100, {}}, FrameFacts{40, 30, 2, 25.0}}) {
+  for (const bool all : {false, true}) for (const FrameFacts& facts : {FrameFacts{1920, 1080, 100, {}}, FrameFacts{40, 30, 2, 25.0}}) {
     const std::string text =
-        initial_case({.frames = "a \"b\"/*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}}, facts);
+        initial_case({.frames = "a \"b\"/*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}, .all = all}, facts);
+    EXPECT_TRUE(all || std::count(text.begin(), text.end(), '\n') < 15) << text;
+    EXPECT_EQ(all, text.find("[mpm]") != std::string::npos);
     EXPECT_EQ(refusal(text), "") << text;
     const Case c = parsed(text);
     EXPECT_EQ(c.frames->path, "a \"b\"/*.png");
@@ -108,7 +110,7 @@ TEST(Init, TheFirstCaseReadsAsItIs) {
 
 TEST(Init, EveryCommentedLineIsSoundWhenItsMarkIsTakenAway) {
   const std::string text =
-      initial_case({.frames = "*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}}, {1920, 1080, 10, {}});
+      initial_case({.frames = "*.png", .folder = ".", .metres_per_pixel = {}, .rate_hz = {}, .all = true}, {1920, 1080, 10, {}});
   const std::string live = uncommented(text);
   EXPECT_EQ(refusal(live), "") << live;
   const Case c = parsed(live);
@@ -119,7 +121,7 @@ TEST(Init, EveryCommentedLineIsSoundWhenItsMarkIsTakenAway) {
 
 TEST(Init, WhatIsKnownIsWritten) {
   const std::string text =
-      initial_case({.frames = "/data/v.mp4", .folder = "/tmp/study", .metres_per_pixel = 1e-3, .rate_hz = 240.0},
+      initial_case({.frames = "/data/v.mp4", .folder = "/tmp/study", .metres_per_pixel = 1e-3, .rate_hz = 240.0, .all = true},
                    {640, 480, 10, 30.0});
   const Case c = parsed(text);
   EXPECT_EQ(c.camera.metres_per_pixel, 1e-3);

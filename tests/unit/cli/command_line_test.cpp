@@ -40,6 +40,18 @@ TEST_F(CommandLine, RunHandsCaseAndSettingsToTheStudy) {
   EXPECT_THAT(study.settings.command, HasSubstr("--out 'o ut' --threads 3 --resume --frames 'it'\\''s/*.png'"));
 }
 
+TEST_F(CommandLine, AFinishedRecordIsReplacedByForceAlone) {
+  const std::string out = (folder.path / "done").string();
+  folder.write("done/record.h5", "hours of work");
+  for (const char* command : {"run", "piv", "track"})
+    expect_error(run_program({command, measured, "--out", out}), 2, out + "/record.h5: is there already; --force replaces it");
+  EXPECT_TRUE(fake_study().calls.empty());
+  EXPECT_EQ(run_program({"run", measured, "--out", out, "--force"}).code, 0);
+  EXPECT_EQ(run_program({"run", measured, "--out", out, "--resume"}).code, 0);
+  folder.write("done/parts/head.h5", "a run that was interrupted");
+  EXPECT_EQ(run_program({"run", measured, "--out", out}).code, 0);
+}
+
 // Tracking follows OpenMP's own number. No more are used than there are processors.
 TEST_F(CommandLine, ThreadsHoldForEveryEngine) {
   int seen = 0;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "tests/unit/compare/motions.hpp"
 
@@ -81,6 +82,42 @@ TEST(Outline, IntersectionOverUnionOfShiftedSquares) {
   const Overlap area = overlap(first, second);
   EXPECT_NEAR(area.common / area.either, (2 - 0.53) / (2 + 0.53), 2e-3);
   EXPECT_EQ(overlap(first, first).common, overlap(first, first).either);
+}
+
+// Two motions that are the same: where one of them loses particles, its outline at the end is another, which is no difference of the
+// motions. What is lost inside leaves a hole, what is lost at an end a shorter body.
+TEST(Outline, WhatLostParticlesMoveIsNoDifference) {
+  const ParticleSet set = particles_at(square_lattice(24, 12, 0.05), 0.05);
+  const DisplacementLaw law = [](const Vec2& x, double t) -> Vec2 { return {0.04 * t * x.y(), -0.01 * t * x.y()}; };
+  const auto seen = [&](const std::function<bool(const Vec2&)>& lost) {
+    MotionMemory motion("np", "m", "s", set);
+    for (const double t : {0.0, 1.0}) {
+      MotionFrame frame = frame_of(set, t, law, rigid);
+      frame.cov_u.assign(set.size(), {1e-8f, 1e-8f, 0});
+      for (std::size_t p = 0; t > 0 && p < set.size(); ++p)
+        if (lost(set.x0[p])) frame.status[p] = ParticleStatus::ended;
+      motion.add(frame);
+    }
+    return motion;
+  };
+  CompareOptions options;
+  options.slope_base_m = 0.0;
+  const MotionMemory whole = seen([](const Vec2&) { return false; });
+  const Metric before = metric(compared(whole, whole, options), "outline_hausdorff_95");
+  EXPECT_EQ(before.value, 0);
+  for (const auto& lost : {std::function<bool(const Vec2&)>([](const Vec2& x) { return x.x() > 1.2 - 0.16; }),
+                           std::function<bool(const Vec2&)>([](const Vec2& x) { return (x - Vec2(0.6, 0.3)).norm() < 0.2; })}) {
+    const MotionMemory part = seen(lost);
+    for (const bool first : {true, false}) {
+      const Comparison c = first ? compared(part, whole, options) : compared(whole, part, options);
+      const Metric distance = metric(c, "outline_hausdorff_95");
+      EXPECT_GT(distance.value, 0.05);  // more than ten times what the particles themselves are known by
+      for (const char* name : {"outline_hausdorff_95", "run_out_x_difference", "toe_x_difference", "crest_height_difference", "mobilised_area_difference"})
+        EXPECT_FALSE(metric(c, name).told_apart()) << name << " " << metric(c, name).value << " +- " << metric(c, name).uncertainty;
+    }
+  }
+  // Nothing is lost: nothing is added.
+  EXPECT_NEAR(before.uncertainty, std::sqrt(2.0) * std::hypot(0.05 / std::sqrt(12.0), std::sqrt(2e-8)), 1e-6);
 }
 
 }  // namespace

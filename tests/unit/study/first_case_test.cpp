@@ -39,7 +39,7 @@ class FirstCase : public testing::Test {
   }
   std::string initial(std::optional<double> rate_hz, std::optional<double> metres_per_pixel) const {
     return init_case({.frames = (scratch.path / "f*.pgm").string(), .folder = scratch.path,
-                      .metres_per_pixel = metres_per_pixel, .rate_hz = rate_hz});
+                      .metres_per_pixel = metres_per_pixel, .rate_hz = rate_hz, .all = true});
   }
   // What the template says to do: the first '# ' of every line of the simulation goes.
   static std::string with_simulation(const std::string& text) {

@@ -8,7 +8,9 @@
 #include <string>
 
 #include "pivnp/core/particles/derived.hpp"
+#include "pivnp/core/error.hpp"
 #include "pivnp/io/exports/exports.hpp"
+#include "pivnp/io/imports/import_motion.hpp"
 #include "tests/unit/io/records/sample.hpp"
 
 namespace pivnp::io {
@@ -29,6 +31,47 @@ struct Exported : testing::Test {
   fs::path record = scratch.path / "run" / "record.h5";
   void SetUp() override { sample::run(scratch.path / "run", {}, false); }
 };
+
+// What export writes, compare csv= reads: places, ends and units.
+TEST_F(Exported, CsvIsReadBackAsTheMotionThatItWas) {
+  const RecordReader reader(record);
+  const auto motion = reader.motion("np");
+  const auto files = export_csv(reader, {.motions = {"np"}, .fields = {"displacement_x", "displacement_y"}, .times = {}}, scratch.path);
+  const auto back = open_import("csv=" + files[0].string(), {.length_unit = "px", .time_unit = "frame"});
+  EXPECT_EQ(back->length_unit(), motion->length_unit());
+  EXPECT_EQ(back->time_unit(), motion->time_unit());
+  ASSERT_EQ(back->times().size(), motion->times().size());
+  std::map<std::int64_t, std::size_t> place;
+  for (std::size_t p = 0; p < back->particles().size(); ++p) place[back->particles().id[p]] = p;
+  std::size_t compared = 0;
+  for (std::size_t k = 0; k < motion->times().size(); ++k) {
+    EXPECT_NEAR(back->times()[k], motion->times()[k], 1e-8 * std::abs(motion->times()[k]));
+    const MotionFrame f = motion->frame(k), g = back->frame(k);
+    for (std::size_t p = 0; p < f.u.size(); ++p) {
+      const bool followed = f.status[p] == ParticleStatus::active || f.status[p] == ParticleStatus::flagged;
+      const auto at = place.find(motion->particles().id[p]);
+      if (!followed) {
+        EXPECT_TRUE(at == place.end() || g.status[at->second] != ParticleStatus::active) << k << " " << p;
+        continue;
+      }
+      ASSERT_NE(at, place.end());
+      EXPECT_EQ(g.status[at->second], ParticleStatus::active);
+      for (const int c : {0, 1}) {
+        const double x = motion->particles().x0[p][c] + double(f.u[p][std::size_t(c)]);
+        EXPECT_NEAR(back->particles().x0[at->second][c] + double(g.u[at->second][std::size_t(c)]), x, 1e-6 * std::max(1.0, std::abs(x)));
+      }
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 50u);
+  std::ofstream(scratch.path / "mixed.csv") << "x (mm),y (m)\n1,2\n3,4\n5,7\n";
+  try {
+    open_import("csv=" + (scratch.path / "mixed.csv").string(), {});
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("column 'y' is in 'm', expected the unit of x, 'mm'"), std::string::npos) << error.what();
+  }
+}
 
 TEST_F(Exported, CsvHoldsTheRecordsNumbers) {
   const RecordReader reader(record);
