@@ -20,7 +20,7 @@ struct StepDeformation {
   double xx = 1, yy = 1, zz = 1, xy = 0;  // yx = 0: sides of a sheared specimen turn, its base does not
 };
 
-constexpr double round_off = 1e-6;  // relative, of what a path is read for
+constexpr double at_the_peak = 1e-6;  // relative, of what a path is read for
 constexpr std::size_t volume_xx = 0, volume_yy = 1, volume_zz = 2, plane_xy = 3;
 
 // A point with all that its law remembers. Copies are trials.
@@ -222,7 +222,7 @@ std::size_t peak_of(const ElementPath& path, ElementTest test) {
   const std::vector<double>& of = is_shear(test) ? path.shear : path.deviator;
   // (Perfect plasticity stays at its peak but for round-off.)
   const double most = *std::max_element(of.begin(), of.end());
-  return std::size_t(std::find_if(of.begin(), of.end(), [&](double v) { return v >= most * (1 - round_off); }) - of.begin());
+  return std::size_t(std::find_if(of.begin(), of.end(), [&](double v) { return v >= most * (1 - at_the_peak); }) - of.begin());
 }
 
 ElementPath element_test(const MaterialOptions& material, const std::string& key, const ElementTestOptions& options, double cell_m) {
@@ -244,8 +244,8 @@ std::optional<StrengthLine> strength_line(const std::vector<ElementPath>& paths,
   const double spread = n * xx - x * x;
   const bool line = n > 1 && spread > 1e-12 * n * xx;
   double slope = line ? (n * xy - x * y) / spread : y / x, offset = line ? (y - slope * x) / n : 0;
-  if (std::abs(slope) < round_off) slope = 0;
-  if (std::abs(offset) < round_off * x / n) offset = 0;
+  if (std::abs(slope) < at_the_peak) slope = 0;
+  if (std::abs(offset) < at_the_peak * x / n) offset = 0;
   if (!(slope > -1 && slope < 1) && !is_shear(test)) return std::nullopt;
   const double angle = is_shear(test) ? std::atan(slope) : std::asin(slope);
   return StrengthLine{offset / (is_shear(test) ? 1 : std::cos(angle)), angle * 180 / std::numbers::pi};

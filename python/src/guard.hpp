@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <mutex>
+#include <string>
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/progress.hpp"
@@ -51,6 +52,31 @@ auto unlocked(const Work& work) {
     throw;
   }
 }
+
+/// Of an object whose state changes while the interpreter is free: one call at a time. Calls from other threads and from
+/// handlers of signals meanwhile are refused, since waiting could be for oneself. To be asked with the interpreter's lock.
+class Turn {
+ public:
+  explicit Turn(const char* whose) : whose_(whose) {}
+  void demand() const {
+    if (taken_) throw RunError(std::string(whose_) + ": at work in another thread, expected one call at a time");
+  }
+  /// Calls work(progress) without the interpreter's lock, as unlocked() does.
+  template <class Work>
+  auto unlocked(const Work& work) {
+    demand();
+    struct Taken {
+      bool& taken;
+      explicit Taken(bool& t) : taken(t) { taken = true; }
+      ~Taken() { taken = false; }
+    } const taken(taken_);
+    return python::unlocked(work);
+  }
+
+ private:
+  const char* whose_;
+  bool taken_ = false;
+};
 
 /// HDF5 takes one thread at a time. To be held without the interpreter's lock.
 inline std::mutex& hdf5_mutex() {

@@ -24,18 +24,18 @@ class Solver {
   }
 
   void advance_to(double time) {
-    unlocked([&](Progress& progress) {
+    turn_.unlocked([&](Progress& progress) {
       begin(progress);
       solver_->advance_to(time, progress);
     });
   }
   std::shared_ptr<Instant> frame() {
-    unlocked([&](Progress& progress) { begin(progress); });
+    turn_.unlocked([&](Progress& progress) { begin(progress); });
     return std::make_shared<Instant>(Instant{solver_->frame()});
   }
   std::shared_ptr<Motion> run(const std::vector<double>& times) {
     auto motion = std::make_shared<Motion>();
-    unlocked([&](Progress& progress) {
+    turn_.unlocked([&](Progress& progress) {
       begin(progress);
       std::vector<std::shared_ptr<const MotionFrame>> frames;
       for (const double time : times) {
@@ -48,7 +48,7 @@ class Solver {
     return motion;
   }
   py::dict energy() const {
-    const EnergyRow row = solver_->energy();
+    const EnergyRow row = solver().energy();
     py::dict out;
     out["kinetic"] = row.kinetic;
     out["elastic"] = row.elastic;
@@ -60,15 +60,19 @@ class Solver {
     return out;
   }
   py::bytes save() const {
-    const std::vector<std::byte> bytes = solver_->save();
+    const std::vector<std::byte> bytes = solver().save();
     return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   void load(const std::string& bytes) {
+    turn_.demand();
     const auto* data = reinterpret_cast<const std::byte*>(bytes.data());
     solver_->load({data, data + bytes.size()});
     begun_ = true;
   }
-  const mpm::Solver& solver() const { return *solver_; }
+  const mpm::Solver& solver() const {
+    turn_.demand();
+    return *solver_;
+  }
   std::optional<double> end_s() const { return case_.mpm->end_s; }
   std::optional<double> rate_hz() const { return case_.mpm->output_rate_hz; }
   std::string text() const { return app::write_case(case_); }
@@ -83,6 +87,7 @@ class Solver {
   app::Setting setting_;
   std::unique_ptr<mpm::Solver> solver_;
   bool begun_ = false;
+  Turn turn_{"Solver"};
 };
 
 }  // namespace

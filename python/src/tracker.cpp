@@ -52,26 +52,31 @@ class Tracker {
   }
 
   void step(const Vectors& vectors, double time) {
-    unlocked([&](Progress&) { tracker_->step(vectors.field, time); });
+    turn_.unlocked([&](Progress&) { tracker_->step(vectors.field, time); });
     keep();
   }
-  std::shared_ptr<Instant> frame() const { return std::make_shared<Instant>(Instant{tracker_->frame()}); }
+  std::shared_ptr<Instant> frame() const { return std::make_shared<Instant>(Instant{tracker().frame()}); }
   std::shared_ptr<Motion> motion() const {
     auto motion = std::make_shared<Motion>();
-    motion->source = std::make_shared<KeptMotion>("np", length_unit_, time_unit_, tracker_->particles(), frames_);
+    motion->source = std::make_shared<KeptMotion>("np", length_unit_, time_unit_, tracker().particles(), frames_);
     motion->central = central_;
     return motion;
   }
-  double time() const { return tracker_->time(); }
-  std::size_t size() const { return tracker_->particles().size(); }
+  double time() const { return tracker().time(); }
+  std::size_t size() const { return tracker().particles().size(); }
 
  private:
+  const np::Tracker& tracker() const {
+    turn_.demand();
+    return *tracker_;
+  }
   void keep() { frames_.push_back(std::make_shared<MotionFrame>(tracker_->frame())); }
 
   std::string length_unit_, time_unit_;
   bool central_;
   std::unique_ptr<np::Tracker> tracker_;
   std::vector<std::shared_ptr<const MotionFrame>> frames_;
+  Turn turn_{"Tracker"};
 };
 
 }  // namespace

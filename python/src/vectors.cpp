@@ -62,6 +62,7 @@ class Correlator {
     demand_size(a, "first");
     demand_size(b, "second");
     return unlocked([&](Progress&) {
+      const std::lock_guard one_at_a_time(mutex_);  // its buffers serve every pair
       const piv::PixelVectors pixels =
           correlator_->correlate(a.view(), b.view(), mask_ ? mask_->mask() : setting_.mask.view());
       return Vectors{app::world_vectors(pixels, lattice_, setting_, pair), setting_.camera.length_unit()};
@@ -81,6 +82,7 @@ class Correlator {
   int threads_ = 0;
   std::unique_ptr<BorrowedImage> mask_;
   std::unique_ptr<piv::PairCorrelator> correlator_;
+  std::mutex mutex_;
 };
 
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;

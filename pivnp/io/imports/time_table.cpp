@@ -47,15 +47,15 @@ std::string listed(const std::vector<std::string>& wanted) {
   return text;
 }
 
-using Columns = std::map<std::string, std::vector<double>>;
+using QuantityColumns = std::map<std::string, std::vector<double>>;
 
 // All columns of a table in SI, by their quantities; `each_row` sees the columns after each row. Throws InputError.
 template <class EachRow>
-Columns read_columns(TextLines& lines, const std::vector<std::string>& wanted, const std::string& expected, EachRow&& each_row) {
+QuantityColumns read_quantities(TextLines& lines, const std::vector<std::string>& wanted, const std::string& expected, EachRow&& each_row) {
   std::string_view line = line_of_names(lines);
   const char separator = separator_of(line);
   const std::vector<std::string> header = header_of(line, separator);
-  Columns out;
+  QuantityColumns out;
   std::vector<std::pair<std::string, UnitRow>> of;
   for (const std::string& name : header) {
     std::optional<std::pair<std::string, UnitRow>> found;
@@ -95,7 +95,7 @@ TimeTable read_time_table(const std::filesystem::path& file, const std::vector<s
   std::vector<std::string> all = wanted;
   all.insert(all.begin(), "time");
   TimeTable out;
-  out.columns = read_columns(lines, all, expected, [&](const Columns& columns) {
+  out.columns = read_quantities(lines, all, expected, [&](const QuantityColumns& columns) {
     const auto time = columns.find("time");
     if (time == columns.end() || columns.size() < 2)
       throw InputError(lines.at() + (time != columns.end() ? "found time alone" : "found no time") + ", expected " + expected);
@@ -116,7 +116,7 @@ const std::vector<std::string>& test_quantities() {
 std::map<std::string, std::vector<double>> read_test_table(const std::filesystem::path& file) {
   TextLines lines(file);
   const std::string expected = "axial_strain or shear_strain and one or more of " + listed(test_quantities()) + " with their unit (axial_strain_percent, deviator_stress_kpa)";
-  return read_columns(lines, test_quantities(), expected, [&](const Columns& columns) {
+  return read_quantities(lines, test_quantities(), expected, [&](const QuantityColumns& columns) {
     if (columns.size() < 2) throw InputError(lines.at() + "found one column, expected " + expected);
   });
 }
