@@ -57,7 +57,7 @@ RecordWriter::Impl::Impl(const std::filesystem::path& dir, const RecordHead& h, 
     if (keys && finished->head().case_text != head.case_text) {
       const std::vector<std::string> motions = finished->motion_names();
       const auto has = [&](const char* name) { return std::find(motions.begin(), motions.end(), name) != motions.end(); };
-      const auto text = [&](const RecordHead& h) { return keys(h.case_text, "motion/mpm"); };
+      const auto text = [&](const RecordHead& of) { return keys(of.case_text, "motion/mpm"); };
       check_same_case(finished->head(), head, record.string(), keys, "motion/np");
       // Nothing but its comparison or its report is to be done anew; other commands do that.
       if (!has("np") || (has("mpm") && text(finished->head()) == text(head))) check_same_case(finished->head(), head, record.string(), {}, "");
