@@ -105,7 +105,7 @@ centre_px = [64.0, 64.0]
                                        "/v_*.txt\"\nanchor = \"central\"\nformat = \"" + format.name + "\"\n",
                                    there.path / "out");
     EXPECT_TRUE(std::any_of(outcome.remarks.begin(), outcome.remarks.end(),
-                            [](const Remark& r) { return r.text.find("no uncertainty") != r.npos; }));
+                            [](const Remark& r) { return r.text.find("no uncertainty") != std::string::npos; }));
     const io::RecordReader record(outcome.record);
     EXPECT_EQ(record.head().grid, direct.head().grid);
     EXPECT_EQ(record.frames().size(), 3u);
