@@ -66,7 +66,7 @@ process.kill()
 process.wait()
 files = sorted(f.name for f in (parts / "parts").glob("*.h5") if f.name != "head.h5")
 assert files, "the run was over too soon"
-for trial in range(6):
+for trial in range(int(sys.argv[2]) if len(sys.argv) > 2 else 6):
     out = there / "again"
     shutil.rmtree(out, ignore_errors=True)
     shutil.copytree(parts, out)

@@ -73,13 +73,14 @@ for trial in range(3):
 print("killed", killed, "times")
 assert killed > 0
 
-out = there / "interrupted"
-process = begin(out, False)
-while not (out / "parts").exists() and process.poll() is None:  # at work, and far from the end
-    time.sleep(0.002)
-process.send_signal(signal.SIGINT)
-_, errors = process.communicate(timeout=120)
-assert process.returncode == 130, (process.returncode, errors)
+for stop in (signal.SIGHUP, signal.SIGINT):  # the terminal is closed; Ctrl-C
+    out = there / f"interrupted{stop}"
+    process = begin(out, False)
+    while not (out / "parts").exists() and process.poll() is None:  # at work, and far from the end
+        time.sleep(0.002)
+    process.send_signal(stop)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130 and "interrupted" in errors, (process.returncode, errors)
 last = run(program, *arguments, "--out", out, "--resume")
 assert last.returncode == 0, last.stderr
 same(there / "whole" / "record.h5", out / "record.h5")

@@ -149,6 +149,8 @@ def main():
     print("greatest gains of energy, over what was turned over:", *(f"{g:.3g} ({name})" for g, name in gained[:8]), sep="\n  ")
     faults = [f"{name}: {wrong}" for name, _, _, wrong in results if wrong]
     print(f"{len(results)} cases, {len(faults)} faults")
+    if sum(outcome == "ran" for _, outcome, _, _ in results) < 0.3 * len(results):
+        faults.append("too few cases were run")
     if faults:
         sys.exit("\n".join(faults))
 

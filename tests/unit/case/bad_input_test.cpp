@@ -208,7 +208,7 @@ TEST(BadInput, WhatDoesNotPrintIsNoName) {
 
 // Variances are floats, those of hundredths of a pixel too.
 TEST(BadInput, ScalesThatNoFloatHolds) {
-  const auto scaled = [](const char* scale) { return refusal(std::string("[camera]\nlength_unit = 'mm'\nmetres_per_pixel = ") + scale + "\n"); };
+  const auto scaled = [](const char* scale) { return refusal(std::string("[camera]\nlength_unit = 'ft'\nmetres_per_pixel = ") + scale + "\n"); };
   EXPECT_EQ(scaled("3e-30"), "c.toml:3: camera.metres_per_pixel: found 3e-30, expected a number from 1e-12 to 1e+12");
   EXPECT_NE(scaled("3e30"), "");
   EXPECT_EQ(scaled("3e-10"), "");

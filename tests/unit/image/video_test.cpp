@@ -278,7 +278,7 @@ TEST_F(Video, UnreadableFilesAreNamedInOneLine) {
 // A list of files passes for a video: what it names would be opened and shown.
 TEST_F(Video, ListsOfFilesAreNoVideos) {
   ASSERT_TRUE(write_video("other.avi", 12, 25, "MJPG"));
-  ASSERT_EQ(open({.path = "other.avi"})->size(), 12);
+  ASSERT_EQ(open({.path = "other.avi"})->frames().size(), 12u);
   const std::string no_text(1, '\0');
   put(at("list.avi"), "ffconcat version 1.0\nfile other.avi\n#" + no_text);
   put(at("list.mp4"), "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nother.avi\n#EXT-X-ENDLIST\n#" + no_text);

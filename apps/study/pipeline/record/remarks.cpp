@@ -56,7 +56,7 @@ void look_at_heat(const MotionSource& motion, Motion& m) {
 }
 
 // One line for each flagged step, and one for those beyond the first few.
-Texts flagged_steps(const RecordSeen& seen, FrameFlag flag, const std::function<std::string(const Step&)>& words) {
+Texts find_flagged_steps(const RecordSeen& seen, FrameFlag flag, const std::function<std::string(const Step&)>& words) {
   constexpr std::size_t most = 6;
   Texts out;
   std::size_t count = 0;
@@ -68,7 +68,7 @@ Texts flagged_steps(const RecordSeen& seen, FrameFlag flag, const std::function<
   return out;
 }
 
-Texts lost(const RecordSeen& seen) {
+Texts find_lost(const RecordSeen& seen) {
   return flagged_steps(seen, frame_decorrelated, [](const Step& s) {
     return step_words(s) + " lost its correlation over most of the image: " + percent(s.valid / std::max(1.0, s.asked)) +
            " of its vectors are valid, median score " + number(s.score, 2) + ".";
@@ -95,7 +95,7 @@ Holds holds_of(const RecordSeen& seen) {
   return h;
 }
 
-Texts held(const RecordSeen& seen) {
+Texts find_held(const RecordSeen& seen) {
   const Holds h = holds_of(seen);
   if (!h.regular()) return {};
   const std::string times = std::to_string(h.shortest) + (h.longest > h.shortest ? " or " + std::to_string(h.longest) : "");
@@ -110,19 +110,19 @@ Texts held(const RecordSeen& seen) {
   return {text};
 }
 
-Texts repeated(const RecordSeen& seen) {
+Texts find_repeated(const RecordSeen& seen) {
   if (holds_of(seen).regular()) return {};
   return flagged_steps(seen, frame_repeated,
                        [](const Step& s) { return step_words(s) + " repeats one exposure; no motion can be read from it."; });
 }
 
-Texts flashes(const RecordSeen& seen) {
+Texts find_flashes(const RecordSeen& seen) {
   return flagged_steps(seen, frame_flash, [](const Step& s) {
     return "Frame " + s.to + " is brighter or darker than the frames before and after: a flash, or a lamp that failed.";
   });
 }
 
-Texts jumps(const RecordSeen& seen) {
+Texts find_jumps(const RecordSeen& seen) {
   return flagged_steps(seen, frame_jump, [](const Step& s) {
     return step_words(s) + " does not agree with its neighbours: a frame may be missing, or the camera was shaken.";
   });
@@ -146,13 +146,13 @@ bool no_measurement(const RecordSeen& seen) {
          std::none_of(seen.steps.begin(), seen.steps.end(), [](const Step& s) { return s.valid > 0 && s.score > by_chance; });
 }
 
-Texts no_vectors(const RecordSeen& seen) {
+Texts find_no_vectors(const RecordSeen& seen) {
   if (seen.steps.empty() || !no_measurement(seen)) return {};
   return {percent(valid_share(seen)) + " of the vectors are valid, in " + std::to_string(seen.steps.size()) +
           (seen.steps.size() == 1 ? " pair" : " pairs") + ": the measurement is not usable."};
 }
 
-Texts few_vectors(const RecordSeen& seen) {
+Texts find_few_vectors(const RecordSeen& seen) {
   const Step* worst = nullptr;
   std::size_t poor = 0;
   for (const Step& s : seen.steps) {
@@ -180,14 +180,14 @@ bool lost_all(const Motion& m) {
   return m.measured && m.particles > 0 && m.to_the_end == 0 && 2 * left < ended(m);
 }
 
-Texts no_particles(const RecordSeen& seen) {
+Texts find_no_particles(const RecordSeen& seen) {
   Texts out;
   for (const Motion& m : seen.motions)
     if (lost_all(m)) out.push_back("Motion " + m.name + ": 0 % of the " + std::to_string(m.particles) + " particles reach the end: it is not usable.");
   return out;
 }
 
-Texts ends(const RecordSeen& seen) {
+Texts find_ends(const RecordSeen& seen) {
   Texts out;
   for (const Motion& m : seen.motions)
     for (const auto& [reason, count] : m.ends)
@@ -196,7 +196,7 @@ Texts ends(const RecordSeen& seen) {
   return out;
 }
 
-Texts flagged_particles(const RecordSeen& seen) {
+Texts find_flagged_particles(const RecordSeen& seen) {
   Texts out;
   for (const Motion& m : seen.motions) {
     if (!m.measured || double(m.flagged) < hardly_any * double(m.to_the_end) || m.flagged == 0) continue;
@@ -210,7 +210,7 @@ Texts flagged_particles(const RecordSeen& seen) {
   return out;
 }
 
-Texts hot(const RecordSeen& seen) {
+Texts find_hot(const RecordSeen& seen) {
   Texts out;
   for (const Motion& m : seen.motions)
     if (m.hot > 0)
@@ -219,7 +219,7 @@ Texts hot(const RecordSeen& seen) {
   return out;
 }
 
-Texts open(const RecordSeen& seen) {
+Texts find_open(const RecordSeen& seen) {
   Texts out;
   for (const Motion& m : seen.motions)
     if (m.open > 0)
@@ -228,7 +228,7 @@ Texts open(const RecordSeen& seen) {
   return out;
 }
 
-Texts energy(const RecordSeen& seen) {
+Texts find_energy(const RecordSeen& seen) {
   constexpr double much = 0.1;
   const std::vector<EnergyRow>& rows = seen.energy;
   if (rows.empty()) return {};
@@ -295,39 +295,39 @@ const Registry<RemarkRow>& remark_rows() {
   static const Registry<RemarkRow> rows = {
       {"no_vectors", unusable, "the measurement is not usable",
        "Is there texture, does the region lie on it, and does it move by less than a quarter of piv.first_window_px a step?",
-       "Fewer than 1 % of the vectors are valid. Record and report are written; the exit code is 1.", no_vectors},
+       "Fewer than 1 % of the vectors are valid. Record and report are written; the exit code is 1.", find_no_vectors},
       {"no_particles", unusable, "particles reach the end: it is not usable", "",
        "All were lost, most of them not by leaving the image or the grid. The exit code is 1. Steps that lost their "
        "correlation, or shares of valid vectors, tell from where on.",
-       no_particles},
+       find_no_particles},
       {"step_lost", doubt, "lost its correlation over most of the image",
        "The second frame does not show the texture of the first: a flash, a shake, or motion beyond a quarter of piv.first_window_px a step.",
-       "Raise that key, take frames closer together, or leave frames out (`frames.first`, `frames.last`).", lost},
+       "Raise that key, take frames closer together, or leave frames out (`frames.first`, `frames.last`).", find_lost},
       {"frames_held", doubt, "The recording holds each frame", "",
        "The recorder or a conversion stored each exposure several times. With `frames.stride` each is used once; speeds are "
        "then right if `frames.rate_hz` is that of the file.",
-       held},
+       find_held},
       {"step_repeated", doubt, "no motion can be read from it", "",
-       "Its second frame is the first once more: the recorder doubled a frame. Leave it out, or state the true `frames.rate_hz`.", repeated},
+       "Its second frame is the first once more: the recorder doubled a frame. Leave it out, or state the true `frames.rate_hz`.", find_repeated},
       {"frame_flash", doubt, "is brighter or darker than the frames before and after", "",
-       "Vectors follow an even change of light; look at the step, or leave the frame out.", flashes},
+       "Vectors follow an even change of light; look at the step, or leave the frame out.", find_flashes},
       {"step_jump", doubt, "does not agree with its neighbours", "",
        "Paths follow the motion all the same; speeds of the step are wrong where a frame is missing. A camera that moves is followed by `camera.motion.from`.",
-       jumps},
+       find_jumps},
       {"few_vectors", doubt, "fewer than 90 % of the vectors are valid", "",
        "Vectors that were replaced are interpolated from their neighbours, and particles there are flagged. Shadows, glare, "
        "loose grains and large strain in a step are the usual causes: mask them, or take frames closer together.",
-       few_vectors},
+       find_few_vectors},
       {"particles_flagged", doubt, "their displacement may be off by", "",
        "Status 2 in the record ([format](format.md)): their last step rests on replaced vectors or a local fit, or what the "
        "window averages adds up along the path. Leave them out of figures, or use smaller windows.",
-       flagged_particles},
+       find_flagged_particles},
       {"particles_ended", doubt, "their histories are kept", "",
-       "They ended before the last frame, for the reason that is said; `end` and `end_reason` in the record tell when and why.", ends},
-      {"heat_hot", doubt, "are hotter than 100 C", "", "The equations hold liquid water. Look at the heat source, the friction, and how thick the shear band is.", hot},
-      {"heat_open", doubt, "the soil would open", "", "The equations hold soil in contact. Permeability, compressibility or the band's thickness may be too small.", open},
+       "They ended before the last frame, for the reason that is said; `end` and `end_reason` in the record tell when and why.", find_ends},
+      {"heat_hot", doubt, "are hotter than 100 C", "", "The equations hold liquid water. Look at the heat source, the friction, and how thick the shear band is.", find_hot},
+      {"heat_open", doubt, "the soil would open", "", "The equations hold soil in contact. Permeability, compressibility or the band's thickness may be too small.", find_open},
       {"energy", doubt, "% of the energy supplied", "More material points per element, smaller cells or another transfer may help.",
-       "Damping less residual of the energy balance exceeds a tenth of what was supplied. The report shows the energies.", energy}};
+       "Damping less residual of the energy balance exceeds a tenth of what was supplied. The report shows the energies.", find_energy}};
   return rows;
 }
 
