@@ -20,6 +20,12 @@ constexpr float group_caution = 0.45f;
 // Pairs of a group from which what cells did not show is restored: bias adds up as their number, the noise of that as its root.
 constexpr std::size_t restored_from = 16;
 
+// In air a field may be anything: one sum without bound would be no number in the whole lattice's running sums.
+float within_frames(float x) {
+  constexpr float most = 1e3f;
+  return x > -most ? std::min(x, most) : -most;
+}
+
 bool same(const CellLattice& a, const CellLattice& b) {
   return a.nx == b.nx && a.ny == b.ny && a.x0 == b.x0 && a.y0 == b.y0 && a.step == b.step;
 }
@@ -129,10 +135,53 @@ void JointSmoothing::state_bend(float pairs, Field& field) const {
   });
 }
 
-// Pairs begin ... end - 1, of which `base` is known on the reference lattice.
-void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end, const Field& base) const {
+// What a part's motion is expected to be. Motion that begins, grows or stops keeps its shape and changes its size: of the group's
+// field f, the structure g = f - mean(f) counts by 1 + a,
+//   a = sum g . (y - Y) / sum g . Y   about each place,
+// as far as that exceeds three of its standard deviations; Y, y: what cells show of the group and of the part. A base of the
+// group's own size would leave motion of other times in the part, by what shrinkage takes off the difference.
+JointSmoothing::Field JointSmoothing::grown(const Components& part, const Components& group, const Field& base) const {
+  constexpr int reach = 3, sums_reach = 6;  // of mean(f), and of the sums
+  constexpr float of_one_sum = float((2 * sums_reach + 1) * (2 * sums_reach + 1)) / 2.25f;  // independent of each other
+  constexpr float squared_deviations = 9;
+  const std::size_t size = lattice_.size();
+  const auto structure = [&](std::vector<float>& values) {
+    std::vector<float> means;
+    for (float& value : values) value = within_frames(value);
+    box_mean(lattice_, values, reach, means);
+    for (std::size_t k = 0; k < size; ++k) values[k] -= means[k];
+  };
+  std::vector<float> gg(size), gd(size), gY(size), dd(size);
+  Components g = base.value;
+  for (const auto c : {&Components::u, &Components::v}) {
+    std::vector<float> d(size), Y = group.*c;
+    for (std::size_t k = 0; k < size; ++k) d[k] = (part.*c)[k] - Y[k];
+    structure(g.*c), structure(d), structure(Y);
+    for (std::size_t k = 0; k < size; ++k) {
+      const float of_g = (g.*c)[k];
+      gg[k] += of_g * of_g, gd[k] += of_g * d[k], gY[k] += of_g * Y[k], dd[k] += d[k] * d[k];
+    }
+  }
+  for (std::vector<float>* sums : {&gg, &gd, &gY, &dd}) {
+    const std::vector<float> at = *sums;
+    box_mean(lattice_, at, sums_reach, *sums);
+  }
+  Field out = base;
+  for (std::size_t k = 0; k < size; ++k) {
+    if (!(gg[k] > 1e-12f && gY[k] > 0)) continue;
+    const float left = std::max(dd[k] - gd[k] * gd[k] / gg[k], 1e-12f);
+    const float clear = gd[k] * gd[k] * of_one_sum / (squared_deviations * left * gg[k]);
+    const float by = gd[k] / gY[k] * clear * clear / (1 + clear * clear);
+    for (const auto c : {&Components::u, &Components::v}) (out.value.*c)[k] += by * (g.*c)[k];
+  }
+  return out;
+}
+
+// Pairs begin ... end - 1, of which `of_group` is known on the reference lattice.
+void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end,
+                            const Field& of_group, const Components& group_shown) const {
   if (end - begin == 1) {
-    finish_pair(held[begin], begin, held.size(), base);
+    finish_pair(held[begin], begin, held.size(), of_group);
     return;
   }
   Components mean, about;
@@ -156,21 +205,27 @@ void JointSmoothing::divide(std::vector<HeldPair>& held, std::size_t begin, std:
   // What this tells of the group, no pair knew; its cells would have shown more of it.
   const bool whole = end - begin == held.size();
   const float caution = whole ? group_caution : 1.0f;
+  const bool enough = held.size() >= restored_from;
+  Components shown = mean;
+  if (enough)
+    for (const auto part : {&Components::u, &Components::v})
+      restore_measured(lattice_, std::vector<float>(lattice_.size()), about.*part, most, threads_, shown.*part);
+  depart_smoothly(of_group, most, shown);
+  const Field base = whole || !enough ? of_group : grown(shown, group_shown, of_group);
   Components restored = mean, better;
   depart_smoothly(base, most, restored);
-  for (int n = 0; n < (held.size() < restored_from ? 0 : whole ? 2 : 1); ++n) {
+  for (int n = 0; n < (!enough ? 0 : whole ? 2 : 1); ++n) {
     smooth_departure(restored, base, caution, better);
     restored = mean;
     for (const auto part : {&Components::u, &Components::v})
       restore_measured(lattice_, better.*part, about.*part, most, threads_, restored.*part);
     depart_smoothly(base, most, restored);
   }
-  Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin),
-                       held.size() >= restored_from);
-  if (whole && held.size() >= restored_from) state_bend(static_cast<float>(end - begin), field);
+  Field field = shrunk(restored, base, caution, static_cast<float>(end - begin), static_cast<float>(begin), enough);
+  if (whole && enough) state_bend(static_cast<float>(end - begin), field);
   const std::size_t parts = std::min<std::size_t>(branches, end - begin);
   for (std::size_t part = 0; part < parts; ++part)
-    divide(held, begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field);
+    divide(held, begin + (end - begin) * part / parts, begin + (end - begin) * (part + 1) / parts, field, shown);
 }
 
 // How far a pair is to be believed to move as its group does, 0 ... 1: where it departs by more than the noise of its
@@ -179,12 +234,10 @@ std::vector<float> JointSmoothing::steady_share(const HeldPair& pair, const Fiel
   constexpr int reach = 2;
   std::vector<float> departure(lattice_.size()), noise(lattice_.size()), departures, noises;
   const auto square = [](float x) { return x * x; };
-  // In air a field may be anything: one sum without bound would be no number in the whole lattice's running sums.
-  constexpr float most = 1e6f;
-  const auto bounded = [](float x) { return x < most ? x : most; };
   for (std::size_t k = 0; k < lattice_.size(); ++k) {
-    departure[k] = bounded(square(own.value.u[k] - base.value.u[k]) + square(own.value.v[k] - base.value.v[k]));
-    noise[k] = bounded(square(pair.measured.u[k] - pair.smooth.u[k]) + square(pair.measured.v[k] - pair.smooth.v[k]));
+    departure[k] = square(within_frames(own.value.u[k] - base.value.u[k])) + square(within_frames(own.value.v[k] - base.value.v[k]));
+    noise[k] = square(within_frames(pair.measured.u[k] - pair.smooth.u[k])) +
+               square(within_frames(pair.measured.v[k] - pair.smooth.v[k]));
   }
   box_mean(lattice_, departure, reach, departures);
   box_mean(lattice_, noise, reach, noises);
@@ -329,7 +382,7 @@ void JointSmoothing::finish_pair(HeldPair& pair, std::size_t place, std::size_t 
 void JointSmoothing::run(std::vector<HeldPair>& held) {
   find_paths(held);
   const std::vector<float> zero(lattice_.size(), 0.0f);
-  divide(held, 0, held.size(), {{zero, zero}, {zero, zero}, {zero, zero}, {zero, zero}, {zero, zero}});
+  divide(held, 0, held.size(), {{zero, zero}, {zero, zero}, {zero, zero}, {zero, zero}, {zero, zero}}, {});
 }
 
 }  // namespace pivnp::piv

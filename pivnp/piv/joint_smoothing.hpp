@@ -67,7 +67,9 @@ class JointSmoothing {
                bool restored) const;
   void state_bend(float pairs, Field& field) const;
   void depart_smoothly(const Field& base, const std::vector<std::uint8_t>& known, Components& values) const;
-  void divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end, const Field& base) const;
+  void divide(std::vector<HeldPair>& held, std::size_t begin, std::size_t end, const Field& of_group,
+              const Components& group_shown) const;
+  Field grown(const Components& part, const Components& group, const Field& base) const;
   std::vector<float> steady_share(const HeldPair& pair, const Field& base, const Field& own) const;
   Components rim_bias(const HeldPair& pair) const;
   void finish_pair(HeldPair& pair, std::size_t place, std::size_t pairs, const Field& group_field) const;

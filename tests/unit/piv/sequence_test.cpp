@@ -208,6 +208,49 @@ TEST(Sequences, WhatBendsLoseIsStated) {
   EXPECT_LE(std::sqrt(off / stated), 1.2);
 }
 
+// A band that begins: before, its strain is nothing within 1.5 stated deviations (4 where the base of a part has the whole
+// group's size), and the strain's rise traced back meets zero within a frame of it.
+TEST(Sequences, ABandIsNotSeenBeforeItBegins) {
+  struct Drawn {
+    int seed, onset;
+    double half_width, step;
+  };
+  for (const auto& [drawn, onset, half_width, step] : {Drawn{61, 19, 7, .06}, Drawn{2, 23, 8, .05}}) {
+    Sequence s{.width = 256, .height = 256, .frames = 41, .seed = drawn, .noise = .02};
+    const auto one = sequence::band(s, step, half_width);
+    s.place = [&, begins = onset](const Vec2& X, int k) -> Vec2 { return X + std::max(0, k - begins) * (one(X, 1) - X); };
+    const sequence::Measured m = sequence::measure(s, {}, 2);
+    np::Tracker tracker = sequence::started(s, 48, 4, {});
+    const double c = std::cos(5 * M_PI / 180), t = std::sin(5 * M_PI / 180);
+    const Vec2 along(c, t), across(-t, c), middle(s.width / 2.0, s.height / 2.0);
+    const auto in_band = [&, half = half_width / 2](double& stated) {
+      double strain = 0, count = 0;
+      stated = 0;
+      for (std::size_t p = 0; p < tracker.particles().size(); ++p) {
+        if (std::abs(across.dot(tracker.particles().x0[p] - middle)) > half) continue;
+        const auto state = tracker.state()[p];
+        strain += along.dot(state.F * across), ++count;
+        stated += std::sqrt(state.cov_F[0] * t * t - 2 * state.cov_F[2] * t * c + state.cov_F[1] * c * c);
+      }
+      stated /= count;
+      return strain / count;
+    };
+    double stated = 0, early = 0;
+    for (const VectorField& pair : m.pairs) {
+      tracker.step(pair, pair.pair[1]);
+      if (pair.pair[1] == onset) {
+        const double strain = in_band(stated);
+        EXPECT_LT(std::abs(strain), 1.5 * stated) << drawn;
+      }
+      if (pair.pair[1] == onset + 4) early = in_band(stated);
+    }
+    const int last = s.frames - 1;
+    const double late = in_band(stated), rate = (late - early) / (last - onset - 4);
+    EXPECT_NEAR(onset + 4 - early / rate, onset, 1) << drawn;
+    EXPECT_GT(rate, .7 * step / half_width) << drawn;
+  }
+}
+
 // A pair alone, and methods without a field of their own, yield what the pair correlator yields.
 TEST(Sequences, APairAloneIsAPair) {
   Sequence s{.frames = 3, .seed = seed, .noise = .02};
