@@ -230,14 +230,14 @@ Handle open_attribute(const Source& source, const std::string& object, const std
 
 }  // namespace
 
-std::string Source::attribute_text(const std::string& object, const std::string& name) const {
+std::string Source::attribute_text(const std::string& object, const std::string& name, bool lines) const {
   std::string label;
   const Handle id = open_attribute(*this, object, name, label);
   const Handle space(H5Aget_space(id.get()), H5Sclose), type(H5Aget_type(id.get()), H5Tclose);
   const auto texts =
       read_texts(space.get(), type.get(), label, [&](hid_t t, void* out) { return H5Aread(id.get(), t, out); });
   const std::string text = texts.empty() ? "" : texts[0];
-  if (!prints(text)) throw InputError(label + " holds control characters, expected text that prints");
+  if (printable(text, lines) != text) throw InputError(label + " holds control characters, expected text that prints");
   return text;
 }
 

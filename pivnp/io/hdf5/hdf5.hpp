@@ -104,7 +104,8 @@ class Source {
   bool has_attribute(const std::string& object, const std::string& name) const;
   /// Throw InputError naming file and object where it is missing.
   Dataset dataset(const std::string& path) const;
-  std::string attribute_text(const std::string& object, const std::string& name) const;
+  /// Refused where it does not print; `lines`: new lines and tabs pass.
+  std::string attribute_text(const std::string& object, const std::string& name, bool lines = false) const;
   std::vector<double> attribute_numbers(const std::string& object, const std::string& name) const;
   double attribute_number(const std::string& object, const std::string& name) const;
   std::vector<std::string> texts(const std::string& path) const;  // a dataset of strings (one if scalar)

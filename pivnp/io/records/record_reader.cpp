@@ -177,7 +177,7 @@ std::vector<Remark> RecordReader::remarks() const {
   if (!source.has("/remarks")) return out;
   for (const RemarkWeight weight : remark_weights) {
     if (!source.has_attribute("/remarks", name_of(weight))) continue;
-    const std::string lines = source.attribute_text("/remarks", name_of(weight));
+    const std::string lines = source.attribute_text("/remarks", name_of(weight), true);
     for (std::size_t begin = 0; begin < lines.size();) {
       const std::size_t end = std::min(lines.find('\n', begin), lines.size());
       out.push_back({lines.substr(begin, end - begin), weight, {}});

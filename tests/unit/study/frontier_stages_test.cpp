@@ -53,7 +53,7 @@ TEST(FrontierStages, SpacingIsJudgedBetweenTheNodes) {
   KnownPairs known = drawn_pairs(192, 5);
   std::erase_if(known.pairs, [](const KnownPair& pair) { return pair.name != "shift" && pair.name != "wave 128 px" && pair.name != "wave 64 px" && pair.name != "wave 32 px"; });
   ASSERT_EQ(known.pairs.size(), 4u);
-  GivenSpacing given{.px = 12};
+  SpacingKey given{.px = 12};
   given.key = [](double px) { return "grid.spacing_m=" + std::to_string(int(px)) + "e-3"; };
   piv::PivOptions plain;
   const FrontierStage stage = spacing_frontier(known, plain, {}, given, true, 1, 1, silent);

@@ -56,7 +56,7 @@ void look_at_heat(const MotionSource& motion, Motion& m) {
 }
 
 // One line for each flagged step, and one for those beyond the first few.
-Texts find_flagged_steps(const RecordSeen& seen, FrameFlag flag, const std::function<std::string(const Step&)>& words) {
+Texts flagged_steps(const RecordSeen& seen, FrameFlag flag, const std::function<std::string(const Step&)>& words) {
   constexpr std::size_t most = 6;
   Texts out;
   std::size_t count = 0;
