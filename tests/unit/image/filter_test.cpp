@@ -136,7 +136,7 @@ TEST_F(Compression, TheQualityOfAJpegShows) {
   EXPECT_EQ(*jpeg_quality(file), 95);
   std::filesystem::rename(file, folder_ / "quality.png");
   EXPECT_TRUE(jpeg_quality(folder_ / "quality.png"));  // its content says what it is
-  EXPECT_FALSE(jpeg_quality(folder_ / "none.jpg"));
+  EXPECT_THROW(jpeg_quality(folder_ / "none.jpg"), InputError);
   const auto fine = jpeg_quality(through_jpeg(pair.first.view(), 92).view());
   EXPECT_TRUE(!fine || *fine > least_jpeg_quality);
 }

@@ -19,6 +19,15 @@ struct Listed {
   const MotionField& field;
 };
 
+// A view as other programs read it; the program reads no virtual dataset.
+std::vector<float> viewed(const h5::Source& source, const std::string& path, std::size_t values) {
+  std::vector<float> out(values);
+  const hid_t id = H5Dopen2(source.id(), path.c_str(), H5P_DEFAULT);
+  EXPECT_GE(H5Dread(id, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()), 0) << path;
+  H5Dclose(id);
+  return out;
+}
+
 TEST(Fields, AnAddedOneArrivesInTheRecordItsReadersAndItsViews) {
   const sample::Size size;
   const test::Scratch directory;
@@ -51,7 +60,7 @@ TEST(Fields, AnAddedOneArrivesInTheRecordItsReadersAndItsViews) {
   for (std::size_t k = 0; k < 3; ++k) {
     const MotionFrame f = motion->frame(k);
     const std::vector<double> y = derived.values("flux_y", k);
-    const std::vector<float> view = source.dataset("/xdmf/motion/mpm/flux/00000" + std::to_string(k)).all<float>();
+    const std::vector<float> view = viewed(source, "/xdmf/motion/mpm/flux/00000" + std::to_string(k), 2 * size.particles);
     for (std::size_t p = 0; p < size.particles; ++p)
       for (std::size_t c = 0; c < 2; ++c) {
         EXPECT_EQ(f.field("flux")(p, c), value(k, p, c));
