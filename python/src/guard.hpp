@@ -78,6 +78,14 @@ class Turn {
   bool taken_ = false;
 };
 
+/// Whether this process is a child that was made by fork: the threads of the parent's engines are not there, and OpenMP
+/// would wait for them. Engines use one thread then; what they find does not depend on it.
+inline bool& forked() {
+  static bool is = false;
+  return is;
+}
+inline int threads_here(int threads) { return forked() ? 1 : threads; }
+
 /// HDF5 takes one thread at a time. To be held without the interpreter's lock.
 inline std::mutex& hdf5_mutex() {
   static std::mutex mutex;

@@ -1,7 +1,11 @@
 // The extension module pivnp._core: engines on arrays. What users see is made of it in python/pivnp/.
+#include <omp.h>
+#include <pthread.h>
+
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/version.hpp"
 #include "pivnp/image/files/image_file.hpp"
+#include "python/src/guard.hpp"
 #include "python/src/parts.hpp"
 
 namespace pivnp::python {
@@ -24,6 +28,10 @@ app::Case case_of(const std::string& toml, const std::vector<std::string>& given
 PYBIND11_MODULE(_core, m) {
   namespace py = pybind11;
   using namespace pivnp;
+  pthread_atfork(nullptr, nullptr, [] {
+    python::forked() = true;
+    omp_set_num_threads(1);
+  });
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

@@ -20,7 +20,7 @@ class Solver {
           ": found [frames], [vectors] or [synth], expected a case that only simulates (pivnp.run measures too)");
     if (!case_.mpm) throw InputError(app::of_file(case_) + ": there is nothing to simulate; expected [mpm]");
     setting_ = app::make_setting(case_, 0, 0);
-    solver_.reset(new mpm::Solver(app::make_solver(case_, setting_, threads)));  // not one that could be moved
+    solver_.reset(new mpm::Solver(app::make_solver(case_, setting_, threads_here(threads))));  // not one that could be moved
   }
 
   void advance_to(double time) {

@@ -30,8 +30,8 @@ class Correlator {
       throw InputError("mask: found " + image::describe(mask_->view().width, mask_->view().height, PixelDepth::u8) +
                        ", expected " + image::describe(width, height, PixelDepth::u8));
     options_ = c.piv.value_or(piv::PivOptions{});
-    threads_ = threads;
-    correlator_ = std::make_unique<piv::PairCorrelator>(options_, lattice_, width, height, threads);
+    threads_ = threads_here(threads);
+    correlator_ = std::make_unique<piv::PairCorrelator>(options_, lattice_, width, height, threads_);
   }
 
   // Frames one after the other; vectors come group by group, as `pivnp run` makes them.

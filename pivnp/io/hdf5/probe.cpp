@@ -231,12 +231,19 @@ std::string rest_of(int descriptor) {
 
 }  // namespace
 
-void probe_file(const std::filesystem::path& file) {
-  const std::string name = file.string();
+void probe_file(const std::filesystem::path& file) { probe_files({file}); }
+
+void probe_files(std::vector<std::filesystem::path> files) {
   h5::silence();
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored) || H5Fis_hdf5(name.c_str()) <= 0) return;
-  const double size = double(std::filesystem::file_size(file, ignored)), seconds = least_seconds + size / bytes_per_second;
+  std::erase_if(files, [&](const std::filesystem::path& file) {
+    return !std::filesystem::is_regular_file(file, ignored) || H5Fis_hdf5(file.c_str()) <= 0;
+  });
+  if (files.empty()) return;
+  const std::string name = files.size() == 1 ? files[0].string() : files[0].parent_path().string();
+  double size = 0;
+  for (const std::filesystem::path& file : files) size += double(std::filesystem::file_size(file, ignored));
+  const double seconds = least_seconds + size / bytes_per_second;
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw RunError(name + ": " + std::strerror(errno));
   const pid_t child = ::fork();
@@ -252,7 +259,8 @@ void probe_file(const std::filesystem::path& file) {
     try {
       std::string fault;
       try {
-        fault = fault_of(name, size);
+        for (const std::filesystem::path& file : files)
+          if (fault.empty()) fault = fault_of(file.string(), double(std::filesystem::file_size(file)));
       } catch (const std::bad_alloc&) {
         fault = "a damaged HDF5 file: it asks for more memory than its size can need";
       }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 namespace pivnp::io {
 
@@ -13,5 +14,7 @@ namespace pivnp::io {
 /// the filters deflate, shuffle and fletcher32; numbers and text as h5::reads() has them. Files that are none of HDF5's
 /// pass: whoever opens them says so.
 void probe_file(const std::filesystem::path& file);
+/// All of them in one child; what is thrown names their folder where there are several.
+void probe_files(std::vector<std::filesystem::path> files);
 
 }  // namespace pivnp::io

@@ -97,17 +97,23 @@ std::filesystem::path OpenSegment::close(const SegmentRows& rows, const std::vec
 
 std::vector<StageFiles> scan_parts(const std::filesystem::path& parts) {
   std::map<std::string, StageFiles> stages;
-  std::vector<std::filesystem::path> unusable;
+  std::vector<std::filesystem::path> unusable, closed;
   for (const auto& entry : std::filesystem::directory_iterator(parts)) {
     const std::filesystem::path& path = entry.path();
     if (path.extension() == ".tmp") unusable.push_back(path);
     if (path.extension() != ".h5" || path.filename() == "head.h5") continue;
-    if (seal_of(path) != Seal::intact) {
-      unusable.push_back(path);  // damaged: as if it had never been closed
-      continue;
-    }
+    (seal_of(path) == Seal::intact ? closed : unusable).push_back(path);  // damaged: as if it had never been closed
+  }
+  // A folder to resume may come from anyone. All at once; one by one where one of them is to be found out.
+  bool known = true;
+  try {
+    probe_files(closed);
+  } catch (const InputError&) {
+    known = false;
+  }
+  for (const std::filesystem::path& path : closed) {
     try {
-      probe_file(path);  // a folder to resume may come from anyone
+      if (!known) probe_file(path);
       const h5::Source source(path);
       const std::string stage = source.attribute_text("/", "stage");
       StageFiles& files = stages[stage];
