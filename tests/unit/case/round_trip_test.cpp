@@ -91,7 +91,9 @@ struct RandomSections {
     const std::string text = write_fields(options);
     T back;
     Notes notes;
-    ASSERT_NO_THROW(read_fields("c.toml", path, parse_document(text, "c.toml"), {}, back, notes)) << text;
+    Findings found{notes};
+    read_fields("c.toml", path, parse_document(text, "c.toml"), {}, back, found);
+    ASSERT_NO_THROW(found.faults.raise("c.toml")) << text;
     EXPECT_EQ(values_of(back), values_of(options)) << text;
   }
   template <class T>
@@ -217,7 +219,9 @@ struct Renamed {
 TEST(FormerKeys, AreReadNotedAndWrittenByTheirNewNames) {
   const auto read = [](const std::string& text, Notes& notes) {
     Renamed options;
-    read_fields("c.toml", "part", parse_document(text, "c.toml"), {}, options, notes);
+    Findings found{notes};
+    read_fields("c.toml", "part", parse_document(text, "c.toml"), {}, options, found);
+    found.faults.raise("c.toml");
     return options;
   };
   Notes notes;

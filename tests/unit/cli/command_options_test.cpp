@@ -157,6 +157,16 @@ TEST_F(CommandOptions, SweepsACase) {
   EXPECT_FALSE(asked.program.empty());
   EXPECT_NE(plain.out.find("sweep.html"), std::string::npos);
   EXPECT_EQ(run_program({"sweep", file}).code, 2);
+
+  const Ran tested = run_program({"element", file, "--test", "direct_shear", "--pressure", "20e3,40e3", "--undrained", "--band", "0.01"});
+  ASSERT_EQ(tested.code, 0) << tested.err;
+  const ElementStudy& element = fake_study().element;
+  EXPECT_EQ(element.test.test, mpm::ElementTest::direct_shear);
+  EXPECT_EQ(element.pressures_pa, (std::vector<double>{20e3, 40e3}));
+  EXPECT_TRUE(element.test.undrained);
+  EXPECT_EQ(element.band_m, 0.01);
+  EXPECT_NE(tested.out.find("It carries nothing."), std::string::npos);
+  EXPECT_EQ(run_program({"element", file, "--test", "vane"}).code, 2);
 }
 
 TEST_F(CommandOptions, HelpShowsAnExampleForEveryCommand) {

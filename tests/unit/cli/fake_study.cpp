@@ -125,4 +125,12 @@ SweepOutcome sweep(const Case& c, const SweepOptions& options, const RunSettings
   return {{}, {settings.out / "sweep.html"}, {"It depends most on nothing."}};
 }
 
+ElementOutcome element(const Case& c, const ElementStudy& study, const RunSettings& settings) {
+  fake_study().element = study;
+  fake_study().c = c;
+  fake_study().calls.push_back("element");
+  fake_study().settings = settings;
+  return {{}, {settings.out / "element.html"}, {"It carries nothing."}};
+}
+
 }  // namespace pivnp::app

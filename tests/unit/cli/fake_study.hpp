@@ -24,6 +24,7 @@ struct FakeStudy {
   FrontierOptions frontier;
   StressOptions stress;
   SweepOptions sweep;
+  ElementStudy element;
   io::ExportOptions exported;
   bool vtkhdf = false;
   std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop
