@@ -196,7 +196,7 @@ TEST_F(CommandLine, FailuresBecomeExitCodes) {
   expect_error(run_with([](Progress&) { throw RunError("disk\nfull"); }), 1, "disk full\n");
   expect_error(run_with([](Progress&) { throw std::bad_alloc(); }), 1, "out of memory\n");
   expect_error(run_with([](Progress&) { std::filesystem::create_directory("/proc/none/none"); }), 1,
-               "filesystem error: ");
+               "/proc/none/none: No such file or directory");
   expect_error(run_with([](Progress&) { throw 3; }), 1, "an unknown failure\n");
   const Ran stopped = run_with([](Progress&) { throw Interrupted(); });
   EXPECT_EQ(stopped.code, 130);
