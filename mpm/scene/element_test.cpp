@@ -77,9 +77,6 @@ std::optional<double> root_near(double guess, double width, double tolerance, co
   return std::nullopt;
 }
 
-bool ends_by_stress(ElementTest test) { return test == ElementTest::oedometer || test == ElementTest::isotropic; }
-bool is_shear(ElementTest test) { return test == ElementTest::simple_shear || test == ElementTest::direct_shear; }
-
 void check_test(const ElementTestOptions& o) {
   const auto refuse_option = [](const std::string& what, double found, const std::string& expected) {
     throw InputError(what + ": found " + number(found) + ", expected " + expected);

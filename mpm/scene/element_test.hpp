@@ -22,6 +22,8 @@ inline constexpr std::array element_test_names{
     NamedValue{"oedometer", ElementTest::oedometer},       NamedValue{"isotropic", ElementTest::isotropic},
     NamedValue{"simple_shear", ElementTest::simple_shear}, NamedValue{"direct_shear", ElementTest::direct_shear}};
 constexpr const auto& names_of(ElementTest) { return element_test_names; }
+constexpr bool ends_by_stress(ElementTest test) { return test == ElementTest::oedometer || test == ElementTest::isotropic; }
+constexpr bool is_shear(ElementTest test) { return test == ElementTest::simple_shear || test == ElementTest::direct_shear; }
 
 struct ElementTestOptions {
   ElementTest test = ElementTest::triaxial;

@@ -25,9 +25,6 @@ using mpm::ElementTest;
 constexpr std::size_t most_pressures = 6;
 constexpr double kilo = 1e3, percent = 1e-2;
 
-bool shear_test(ElementTest t) { return t == ElementTest::simple_shear || t == ElementTest::direct_shear; }
-bool compressed_alone(ElementTest t) { return t == ElementTest::oedometer || t == ElementTest::isotropic; }
-
 struct ElementLook {
   plot::Rgb rgb;
   plot::Dash dash;
@@ -64,12 +61,12 @@ const Drawn shear = {"shear stress", "kPa", "shear_stress", kilo, PIVNP_OF(shear
 }  // namespace quantity
 
 std::vector<std::pair<Drawn, Drawn>> panels_of(const ElementStudy& study) {
-  if (compressed_alone(study.test.test)) {
+  if (ends_by_stress(study.test.test)) {
     const Drawn& stress = study.test.test == ElementTest::isotropic ? quantity::mean_stress : quantity::vertical;
     if (study.test.test == ElementTest::isotropic) return {{stress, quantity::axial}, {stress, quantity::volumetric}};
     return {{stress, quantity::axial}, {stress, quantity::horizontal}};
   }
-  if (shear_test(study.test.test)) {
+  if (is_shear(study.test.test)) {
     Drawn along = quantity::gamma_strain;
     if (study.band_m > 0) along.words = "displacement", along.unit = "mm", along.quantity = "", along.scale = 1e-3 / study.band_m;
     return {{along, quantity::shear}, {along, study.test.undrained ? quantity::pore : quantity::volumetric}, {quantity::vertical, quantity::shear}};
@@ -161,12 +158,12 @@ std::string sentence_of(const ElementStudy& study, const std::string& name, cons
   const ElementTest test = study.test.test;
   const std::size_t k = mpm::peak_of(path, test), last = path.size() - 1;
   std::string text = name + ": ";
-  if (compressed_alone(test)) {
+  if (ends_by_stress(test)) {
     const std::size_t top = std::size_t(std::max_element(path.strain.begin(), path.strain.end()) - path.strain.begin());
     text += "axial strain " + in_percent(path.strain[top]) + " at " + in_kpa(path.vertical[top]) + ", " + in_percent(path.strain[last]) + " after unloading to " + in_kpa(path.vertical[last]);
     if (test == ElementTest::oedometer && path.vertical[top] > 0) text += "; horizontal over vertical stress " + number(path.horizontal[top] / path.vertical[top], 3);
   } else {
-    const bool sheared = shear_test(test);
+    const bool sheared = is_shear(test);
     const std::vector<double>& of = sheared ? path.shear : path.deviator;
     text += std::string("greatest ") + (sheared ? "shear stress " : "deviator stress ") + in_kpa(of[k]) + " at a strain of " + in_percent(path.strain[k]);
     if (of[last] < 0.995 * of[k]) text += ", at the end " + in_kpa(of[last]);
@@ -177,7 +174,7 @@ std::string sentence_of(const ElementStudy& study, const std::string& name, cons
 }
 
 std::vector<io::TableColumn> columns_of(const ElementPath& path, ElementTest test) {
-  std::vector<io::TableColumn> columns = {{.name = shear_test(test) ? "shear_strain" : "axial_strain", .unit = "1", .numbers = path.strain},
+  std::vector<io::TableColumn> columns = {{.name = is_shear(test) ? "shear_strain" : "axial_strain", .unit = "1", .numbers = path.strain},
                                           {.name = "volumetric_strain", .unit = "1", .numbers = path.volume},
                                           {.name = "vertical_stress", .unit = "pa", .numbers = path.vertical},
                                           {.name = "horizontal_stress", .unit = "pa", .numbers = path.horizontal},
@@ -228,9 +225,10 @@ ElementOutcome element(const Case& c, const ElementStudy& given, const RunSettin
     outcome.sentences.push_back(sentence_of(study, names.back(), outcome.paths.back()));
   }
   if (const auto line = mpm::strength_line(outcome.paths, study.test.test))
-    outcome.sentences.push_back(outcome.paths.size() > 1
-                                    ? "Strength by the peaks: friction angle " + number(line->friction_deg, 3) + " degrees, cohesion " + in_kpa(line->cohesion_pa) + "."
-                                    : "Strength by the peak: friction angle " + number(line->friction_deg, 3) + " degrees if there is no cohesion.");
+    outcome.sentences.push_back((is_shear(study.test.test) ? "Strength on the horizontal plane" : "Strength") +
+                                (outcome.paths.size() > 1
+                                     ? " by the peaks: friction angle " + number(line->friction_deg, 3) + " degrees, cohesion " + in_kpa(line->cohesion_pa) + "."
+                                     : " by the peak: friction angle " + number(line->friction_deg, 3) + " degrees if there is no cohesion."));
   plot::start_qt();
   report::Document document;
   const std::string test(name_of(study.test.test));

@@ -210,22 +210,23 @@ Texts find_flagged_particles(const RecordSeen& seen) {
   return out;
 }
 
-Texts find_hot(const RecordSeen& seen) {
+Texts up_to(const RecordSeen& seen, std::size_t Motion::*count, const std::string& what) {
   Texts out;
   for (const Motion& m : seen.motions)
-    if (m.hot > 0)
-      out.push_back("Up to " + std::to_string(m.hot) + " particles are hotter than 100 C in one of the states: water would boil, so their temperatures and "
-                    "pressures are not reliable (heat_limit).");
+    if (m.*count > 0) out.push_back("Up to " + std::to_string(m.*count) + " particles " + what);
   return out;
 }
 
+Texts find_hot(const RecordSeen& seen) {
+  return up_to(seen, &Motion::hot,
+               "are hotter than 100 C in one of the states: water would boil, so their temperatures and pressures are not "
+               "reliable (heat_limit).");
+}
+
 Texts find_open(const RecordSeen& seen) {
-  Texts out;
-  for (const Motion& m : seen.motions)
-    if (m.open > 0)
-      out.push_back("Up to " + std::to_string(m.open) + " particles have a water pressure (in the band, where there is one) above the total mean stress in "
-                    "one of the states: the soil would open (heat_limit).");
-  return out;
+  return up_to(seen, &Motion::open,
+               "have a water pressure (in the band, where there is one) above the total mean stress in one of the states: the "
+               "soil would open (heat_limit).");
 }
 
 Texts find_energy(const RecordSeen& seen) {

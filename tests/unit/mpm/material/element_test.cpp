@@ -98,6 +98,19 @@ TEST(ElementTests, ShearIsThatOfDavis) {
   }
 }
 
+// The specimen turns as it shears: b of a shear gamma has principal logarithmic strains +-asinh(gamma/2), at half the angle whose tangent
+// is 2/gamma to the base.
+TEST(ElementTests, AShearedSpecimenTurns) {
+  MaterialOptions m = test::soil("linear_elastic");
+  ElementTestOptions o = element_of(ElementTest::simple_shear, 1e5, 1.2);
+  o.undrained = true;
+  o.steps = 2000;
+  const ElementPath path = element_test(m, "material.a", o);
+  const double gamma = 1.2, twice_strain = 2 * std::asinh(gamma / 2), root = std::sqrt(4 + gamma * gamma), G = m.young_pa / (2 * (1 + m.poisson));
+  EXPECT_NEAR(path.shear.back(), G * twice_strain * 2 / root, 1e-3 * G);
+  EXPECT_NEAR(path.vertical.back() - path.horizontal.back(), 2 * G * twice_strain * gamma / root, 1e-3 * G);
+}
+
 // Units: stresses and pressures times a number give the same strains.
 TEST(ElementTests, KnowNoUnitOfStress) {
   const double scale = 7e3;
