@@ -171,6 +171,24 @@ TEST(Stress, SoilThatDrainsLessDeepThanACellIsDoubted) {
   EXPECT_TRUE(doubts(options, scene).empty());
 }
 
+TEST(Stress, WallsBetweenLinesOfNodesAreDoubted) {
+  mpm::Scene scene;
+  scene.grid = {{-0.1, 0.3}, {0.2, 0.1}, 8, 9};
+  const auto wall = [](double x0, double y0, double x1, double y1, mpm::BoundaryType type) {
+    mpm::BoundaryOptions b;
+    b.line_m = {{x0, y0}, {x1, y1}};
+    b.type = type;
+    return b;
+  };
+  scene.boundaries = {{"side", wall(0.3, 0.3, 0.3, 0.9, mpm::BoundaryType::roller)},
+                      {"slope", wall(0.1, 0.33, 0.9, 0.5, mpm::BoundaryType::fixed)},
+                      {"load", wall(0.1, 0.66, 0.9, 0.66, mpm::BoundaryType::traction)}};
+  EXPECT_TRUE(doubts({}, scene).empty());
+  scene.boundaries.emplace_back("base", wall(-0.1, 0.37, 1.1, 0.37, mpm::BoundaryType::frictional));
+  ASSERT_EQ(doubts({}, scene).size(), 1u);
+  EXPECT_EQ(doubts({}, scene).front().find("boundary.base lies 0.3 of a cell beside"), 0u) << doubts({}, scene).front();
+}
+
 // The stated error of summed vectors is as large as they are off, whether errors are new in each pair or the same.
 TEST(Stress, ParticlesStateTheirDrift) {
   const std::vector<SurvivalMap> maps = made(np_maps({}), {"np_drift_noise", "np_drift_repeated"});

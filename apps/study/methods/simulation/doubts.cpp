@@ -113,6 +113,22 @@ void doubt_thin_drainage(const mpm::MpmOptions& options, const mpm::Scene& scene
   }
 }
 
+// Of walls along the grid that lie between lines of nodes: nodes within half a cell hold the material in their place.
+void doubt_walls(const mpm::Scene& scene, std::vector<std::string>& all) {
+  constexpr double off = 0.02;  // cells
+  for (const auto& [name, boundary] : scene.boundaries) {
+    if (boundary.line_m.size() != 2 || boundary.type == mpm::BoundaryType::traction) continue;
+    const Vec2 a(boundary.line_m[0][0], boundary.line_m[0][1]), b(boundary.line_m[1][0], boundary.line_m[1][1]);
+    for (const int axis : {0, 1}) {
+      if (a[axis] != b[axis]) continue;
+      const double cells = (a[axis] - scene.grid.origin[axis]) / scene.grid.spacing[axis], beside = std::abs(cells - std::round(cells));
+      if (beside > off)
+        all.push_back("boundary." + name + " lies " + number(beside, 2) + " of a cell beside a line of nodes, which hold the material in its place: stress "
+                      "in the row at the wall may be wrong by a factor of two, settlement by a part of a cell's (grid.area_m or grid.spacing_m that puts a line on it).");
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene& scene) {
@@ -135,6 +151,7 @@ std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene
   if (share_in_thin_layers(options, scene) > 0.5)
     all.push_back("More than half of the material with friction lies in layers of one or two cells: sliding over a rough base they are wrong by a fifth and more, with three cells by a tenth (mpm.refine).");
   doubt_thin_drainage(options, scene, all);
+  doubt_walls(scene, all);
   return all;
 }
 
