@@ -166,6 +166,7 @@ std::string sentence_of(const ElementStudy& study, const std::string& name, cons
     const bool sheared = is_shear(test);
     const std::vector<double>& of = sheared ? path.shear : path.deviator;
     text += std::string("greatest ") + (sheared ? "shear stress " : "deviator stress ") + in_kpa(of[k]) + " at a strain of " + in_percent(path.strain[k]);
+    if (k == last) text += ", where it still rises";
     if (of[last] < 0.995 * of[k]) text += ", at the end " + in_kpa(of[last]);
     text += study.test.undrained ? "; pore pressure " + in_kpa(path.pore_pressure[last]) + " at the end" : "; volumetric strain " + in_percent(path.volume[last]) + " at the end";
   }
@@ -229,6 +230,9 @@ ElementOutcome element(const Case& c, const ElementStudy& given, const RunSettin
                                 (outcome.paths.size() > 1
                                      ? " by the peaks: friction angle " + number(line->friction_deg, 3) + " degrees, cohesion " + in_kpa(line->cohesion_pa) + "."
                                      : " by the peak: friction angle " + number(line->friction_deg, 3) + " degrees if there is no cohesion."));
+  const auto rises = [&](const ElementPath& path) { return path.size() > 0 && mpm::peak_of(path, study.test.test) + 1 == path.size(); };
+  if (!ends_by_stress(study.test.test) && std::any_of(outcome.paths.begin(), outcome.paths.end(), rises))
+    outcome.sentences.push_back("Not every test reached its peak: more strain (--strain) may give more strength.");
   plot::start_qt();
   report::Document document;
   const std::string test(name_of(study.test.test));

@@ -65,6 +65,10 @@ TEST(ElementCommand, SaysTheStrengthAndWritesEveryStep) {
   EXPECT_THAT(outcome.sentences.back(), HasSubstr("friction angle 35 degrees"));
   for (const char* file : {"element.html", "element.pdf", "element.png", "element.svg", "element.csv", "element.h5"})
     EXPECT_TRUE(std::filesystem::exists(settings.out / file)) << file;
+  study.test.strain = 1e-3;  // short of the strength
+  EXPECT_THAT(element(c, study, settings).sentences.back(), HasSubstr("Not every test reached its peak"));
+  study.test.strain = 0.2;
+  element(c, study, settings);
   std::ifstream in(settings.out / "element.csv");
   std::string head, line;
   std::getline(in, head);
