@@ -23,8 +23,12 @@ std::ifstream open_regular_file(const fs::path& file, const std::string& label) 
   expect_regular_file(file, label);
   errno = 0;
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(label + ": cannot be read" + (errno ? std::string(": ") + std::strerror(errno) : ""));
-  return in;
+  if (in) return in;
+  const int cause = errno;
+  const std::string words = label + ": cannot be read" + (cause ? std::string(": ") + std::strerror(cause) : "");
+  // What the process is short of is no fault of the file.
+  if (cause == EMFILE || cause == ENFILE || cause == ENOMEM) throw RunError(words);
+  throw InputError(words);
 }
 
 std::ifstream open_regular_file(const fs::path& file) { return open_regular_file(file, file.string()); }

@@ -74,7 +74,7 @@ for k in range(rounds):
         size = dice.randint(4, 400) * 1000
         test(f"files of {size} bytes", preexec_fn=least(resource.RLIMIT_FSIZE, size))
     elif kind == 1:
-        count = dice.randint(5, 40)
+        count = dice.randint(5, 24)
         test(f"{count} descriptors", preexec_fn=least(resource.RLIMIT_NOFILE, count))
     elif kind == 2 and not sanitized:
         size = dice.randint(60, 600) << 20

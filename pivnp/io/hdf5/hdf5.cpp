@@ -179,7 +179,7 @@ void Dataset::read(Type type, std::size_t first, std::size_t count, void* out) c
 
 Source::Source(const std::filesystem::path& path) : name_(path.string()) {
   silence();
-  expect_regular_file(path, name_);
+  open_regular_file(path, name_);  // HDF5 does not tell what it is short of from what is damaged
   if (H5Fis_hdf5(name_.c_str()) <= 0) throw InputError(name_ + ": not an HDF5 file, expected a record of pivnp");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
 #if H5_VERSION_GE(1, 10, 7)

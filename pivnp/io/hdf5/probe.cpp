@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/regular_file.hpp"
 #include "pivnp/io/files/quoting.hpp"
 #include "pivnp/io/hdf5/hdf5_internal.hpp"
 
@@ -166,6 +167,7 @@ herr_t visit_link(hid_t, const char* name, const H5L_info_t* info, void* data) {
 }
 
 const std::string readable = "readable";  // what the child says of a file that it could read
+constexpr int shortage_code = 3;           // its exit code where the process, not the file, is to blame
 
 // The child's whole life: what is wrong with the file, or nothing.
 std::string fault_of(const std::string& file, double size) {
@@ -175,6 +177,7 @@ std::string fault_of(const std::string& file, double size) {
 #if H5_VERSION_GE(1, 10, 7)
   H5Pset_file_locking(access.get(), false, true);
 #endif
+  open_regular_file(file);  // HDF5 does not tell what it is short of from what is damaged
   const h5::Handle id(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
   if (!id) return "a truncated or damaged HDF5 file (" + h5::last_cause() + ")";
   Walk walk;
@@ -200,22 +203,27 @@ double data_bytes() {
   return 0;
 }
 
-// Quietly: whatever goes wrong in there is told by the parent.
-void settle_child(double seconds, double size) {
+// Quietly: whatever goes wrong in there is told by the parent. Whether it was held to less memory than a sound file may need.
+bool settle_child(double seconds, double size) {
   const int nowhere = ::open("/dev/null", O_RDWR);
   if (nowhere >= 0) {
     ::dup2(nowhere, STDOUT_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
+    if (nowhere > STDERR_FILENO) ::close(nowhere);
   }
   for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGALRM, SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // it holds the folder's lock as the parent does
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
-  rlimit memory{};
-  ::getrlimit(RLIMIT_DATA, &memory);
-  memory.rlim_cur = std::min(memory.rlim_cur, static_cast<rlim_t>(data_bytes() + least_memory + memory_ratio * size));
-  ::setrlimit(RLIMIT_DATA, &memory);
   ::alarm(static_cast<unsigned>(seconds));
+  rlimit memory{}, addresses{};
+  ::getrlimit(RLIMIT_DATA, &memory);
+  ::getrlimit(RLIMIT_AS, &addresses);
+  const auto enough = static_cast<rlim_t>(data_bytes() + least_memory + memory_ratio * size);
+  const bool held = memory.rlim_cur < enough || addresses.rlim_cur != RLIM_INFINITY;
+  memory.rlim_cur = std::min(memory.rlim_cur, enough);
+  ::setrlimit(RLIMIT_DATA, &memory);
+  return held;
 }
 
 std::string rest_of(int descriptor) {
@@ -254,18 +262,24 @@ void probe_files(std::vector<std::filesystem::path> files) {
     throw RunError(name + ": cannot be looked at in a process of its own: " + cause);
   }
   if (child == 0) {
-    settle_child(seconds, size);
     int code = 1;
     try {
+      const bool held = settle_child(seconds, size);
       std::string fault;
+      bool shortage = false;
       try {
         for (const std::filesystem::path& file : files)
           if (fault.empty()) fault = fault_of(file.string(), double(std::filesystem::file_size(file)));
+        if (held && fault.find("alloc") != std::string::npos) throw std::bad_alloc();  // HDF5: "memory allocation failed"
       } catch (const std::bad_alloc&) {
-        fault = "a damaged HDF5 file: it asks for more memory than its size can need";
+        shortage = held;
+        fault = held ? name + ": out of memory" : "a damaged HDF5 file: it asks for more memory than its size can need";
+      } catch (const RunError& error) {
+        shortage = true;
+        fault = error.what();
       }
       const std::string& said = fault.empty() ? readable : fault;
-      if (::write(pipe[1], said.data(), said.size()) >= 0) code = fault.empty() ? 0 : 2;
+      if (::write(pipe[1], said.data(), said.size()) >= 0) code = fault.empty() ? 0 : shortage ? shortage_code : 2;
     } catch (...) {
     }
     ::_exit(code);  // nothing of the parent's is shut down
@@ -279,6 +293,7 @@ void probe_files(std::vector<std::filesystem::path> files) {
   }
   if (fault == readable && (ended < 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0))) return;
   if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM)) throw Interrupted();
+  if (WIFEXITED(status) && WEXITSTATUS(status) == shortage_code) throw RunError(fault);
   if (!fault.empty() && fault != readable) throw InputError(name + ": " + fault);
   const bool late = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
   throw InputError(name + ": a damaged HDF5 file: " +
