@@ -4,6 +4,9 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cstdlib>
+#include <exception>
+#include <new>
 
 namespace pivnp::app {
 
@@ -18,9 +21,23 @@ extern "C" void on_stop_signal(int) {
   [[maybe_unused]] const auto written = write(STDERR_FILENO, note, sizeof note - 1);
 }
 
+// Where memory ends within a library that lets nothing through (Qt's destructors).
+[[noreturn]] void on_terminate() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    constexpr char note[] = "pivnp: error: out of memory\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, note, sizeof note - 1);
+    _exit(1);
+  } catch (...) {
+  }
+  std::abort();
+}
+
 }  // namespace
 
 void install_signal_handlers() {
+  std::set_terminate(on_terminate);
   struct sigaction action {};
   action.sa_handler = on_stop_signal;
   sigemptyset(&action.sa_mask);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
+#include <system_error>
+#include <thread>
 #include <utility>
 
 #include <QBuffer>
@@ -15,6 +18,17 @@
 namespace pivnp::plot {
 
 namespace {
+
+// Qt scales in threads of its pool, and waits forever for one that cannot be made. The memory of a thread that has ended is
+// taken by the next.
+void draw_image(QCPPainter& painter, const QRectF& place, const QImage& image) {
+  try {
+    std::thread([] {}).join();
+  } catch (const std::system_error&) {
+    throw std::bad_alloc();
+  }
+  painter.drawImage(place, image);
+}
 
 // A layer entry that paints what it is given.
 class Painting final : public QCPLayerable {
@@ -128,14 +142,14 @@ void Canvas::points(const Panel& panel, const std::vector<double>& x, const std:
 
 void Canvas::raster(const Panel& panel, const Raster& raster) {
   QCPAxisRect* rect = panel.rect_;
-  plot_->paint(layer_below, rect, [rect, image = image_of(raster)](QCPPainter& p) { p.drawImage(QRectF(rect->rect()), image); });
+  plot_->paint(layer_below, rect, [rect, image = image_of(raster)](QCPPainter& p) { draw_image(p, rect->rect(), image); });
 }
 
 void Canvas::raster_over(double x_mm, double y_mm, double width_mm, double height_mm, const Raster& raster) {
   const QRectF place(x_mm * units_per_mm, y_mm * units_per_mm, width_mm * units_per_mm, height_mm * units_per_mm);
   plot_->paint(layer_above, nullptr, [place, image = image_of(raster)](QCPPainter& p) {
     p.setRenderHint(QPainter::SmoothPixmapTransform, false);
-    p.drawImage(place, image);
+    draw_image(p, place, image);
   });
 }
 

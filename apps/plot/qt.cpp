@@ -10,6 +10,7 @@
 #include <QApplication>
 #include <QFontMetricsF>
 #include <QLocale>
+#include <QThreadPool>
 
 #include "apps/plot/canvas.hpp"
 
@@ -43,6 +44,7 @@ void start_qt() {
   if (QCoreApplication::instance() != nullptr) return;
   // A record may be reported on by a service without a home; fontconfig then looks for a place for its cache.
   if (std::getenv("HOME") == nullptr && std::getenv("XDG_CACHE_HOME") == nullptr) static const OwnCache cache;
+  ::setenv("QT_NO_GLIB", "1", 0);  // GLib aborts where memory ends, and there are no events here
   const char* before = std::setlocale(LC_ALL, nullptr);
   const std::string locale = before == nullptr ? "C" : before;
   // On the command line of Qt, so that a platform from the environment that cannot be reached does not end the program.
@@ -54,6 +56,7 @@ void start_qt() {
       qInstallMessageHandler([](QtMsgType type, const QMessageLogContext&, const QString& text) {
         if (type == QtCriticalMsg || type == QtFatalMsg) std::fprintf(stderr, "Qt: %s\n", qPrintable(text));
       });
+  QThreadPool::globalInstance()->setMaxThreadCount(1);  // canvas.cpp sees to it that one can be made
   new QApplication(argc, argv);  // lives as long as the process: Qt does not outlive static destruction well
   qInstallMessageHandler(handler);
   std::setlocale(LC_ALL, locale.c_str());

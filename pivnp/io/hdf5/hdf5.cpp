@@ -152,6 +152,7 @@ void Dataset::expect_room(std::size_t value_bytes) const {
 
 void Dataset::expect_values() const {
   const Handle type(H5Dget_type(id_.get()), H5Tclose), properties(H5Dget_create_plist(id_.get()), H5Pclose);
+  if (!type || !properties) unreadable(label_);
   if (!reads(type.get())) throw InputError(label_ + ": of a kind that is not read, expected numbers or text");
   if (H5Pget_layout(properties.get()) == H5D_VIRTUAL || H5Pget_external_count(properties.get()) != 0)
     throw InputError(label_ + ": its values stand elsewhere, expected them in the dataset itself");
