@@ -2,6 +2,7 @@
 import os
 import pathlib
 import struct
+import zlib
 
 import numpy as np
 
@@ -57,6 +58,34 @@ def band(width, height, step, half_width, onset=0):
     return place
 
 
+def evenly(width, height, shift, gradient):
+    """By a shift and a gradient of displacement a frame, about the middle."""
+    middle = np.array([width / 2, height / 2])
+
+    def place(start, k):
+        return start + k * (np.asarray(shift) + (start - middle) @ np.asarray(gradient).T)
+    return place
+
+
+# Annex K of ITU-T T.81: steps of luminance at quality 50.
+STEPS = np.array([[16, 11, 10, 16, 24, 40, 51, 61], [12, 12, 14, 19, 26, 58, 60, 55], [14, 13, 16, 24, 40, 57, 69, 56],
+                  [14, 17, 22, 29, 51, 87, 80, 62], [18, 22, 37, 56, 68, 109, 103, 77], [24, 35, 55, 64, 81, 104, 113, 92],
+                  [49, 64, 78, 87, 103, 121, 120, 101], [72, 92, 95, 98, 112, 100, 103, 99]])
+
+
+def recoded(frame, quality):
+    """What JPEG makes of a frame at a quality of 50 to 100."""
+    n = np.arange(8)
+    C = np.cos(np.pi * (2 * n + 1) * n[:, None] / 16) * np.where(n == 0, np.sqrt(1 / 8), 0.5)[:, None]
+    step = np.maximum(1, np.floor((STEPS * (200 - 2 * quality) + 50) / 100))
+    height, width = frame.shape
+    wide = np.pad(frame, ((0, -height % 8), (0, -width % 8)), "edge") - 128.0
+    blocks = wide.reshape(wide.shape[0] // 8, 8, wide.shape[1] // 8, 8).transpose(0, 2, 1, 3)
+    blocks = C.T @ (np.rint(C @ blocks @ C.T / step) * step) @ C
+    out = blocks.transpose(0, 2, 1, 3).reshape(wide.shape)[:height, :width]
+    return np.clip(np.rint(out + 128), 0, 255).astype(np.uint8)
+
+
 def read(path):
     """An uncompressed 8-bit BMP or TIFF of one channel, of one strip."""
     data = pathlib.Path(path).read_bytes()
@@ -92,8 +121,18 @@ def published(width, height):
             for name, (first, second, top, left) in PUBLISHED.items() if (folder / first).exists() and (folder / second).exists()}
 
 
+def png(frame):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = b"".join(b"\0" + row.tobytes() for row in frame)
+    head = struct.pack(">IIBBBBB", frame.shape[1], frame.shape[0], 8, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b"")
+
+
 def save(folder, frames, names=None):
+    """As PGM, or as PNG where a name ends so."""
     folder.mkdir(parents=True)
     for k, frame in enumerate(frames):
+        name = names[k] if names else f"f{k:04d}.pgm"
         head = b"P5\n%d %d\n255\n" % (frame.shape[1], frame.shape[0])
-        (folder / (names[k] if names else f"f{k:04d}.pgm")).write_bytes(head + np.ascontiguousarray(frame).tobytes())
+        (folder / name).write_bytes(png(frame) if name.endswith(".png") else head + np.ascontiguousarray(frame).tobytes())

@@ -2,18 +2,19 @@
 """Relations that hold on any frames: drawn sequences and published pairs (PIVNP_TEST_DATA), each measured beside a partner that must
 give the same within the stated errors.
 
-usage: measuring.py PIVNP [COUNT] [FIRST] [--only RELATION] [--keep]
+usage: measuring.py PIVNP [COUNT] [FIRST] [--quick] [--only RELATION] [--all] [--keep]
 
-COUNT seeds from FIRST (1, 1) on. Where a partner has the same frames in another guise, differences of vectors over their stated
-standard deviation have a root mean square of at most 1 (both hold the same error, but for what is rounded and cut); where it has other
-noise or other frames, of at most 1.5 (1.4 if errors are independent and stated as they are).
-A violation prints relation, frames, value and bound; the exit code is then 1.
+COUNT seeds from FIRST (1, 1) on; --quick: every relation once, on scenes by turns. Differences of vectors over their stated standard
+deviation have a root mean square of at most 1 where the partner has the same frames in another guise (both hold the same error, but
+for what is rounded and cut), of at most 1.5 where it has other noise or other frames (1 if errors are independent and stated as they
+are); and at most 1 % of them, in either case, exceed 4. A violation prints relation, scene with its seed, value and bound; the exit code is then 1.
+Faults in KNOWN are left out but with --all.
 """
 import argparse
 import collections
+import pathlib
 import shutil
 import sys
-import pathlib
 import time
 
 import h5py
@@ -22,10 +23,12 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
 from program import folder, run as run_program  # noqa: E402
 
-from measured_frames import band, drawn, published, save, vortex  # noqa: E402
+from measured_frames import band, drawn, evenly, published, recoded, save, vortex  # noqa: E402
 
 WIDTH, HEIGHT, SPACING, BORDER = 177, 145, 8, 40  # sides of whole spacings and a pixel: mirrored nodes are nodes
 SAME, OTHER = 1.0, 1.5
+# (relation, beginning of the scene's name): why
+KNOWN = {("gamma", "particles, PIV Challenge"): "grains of 1.5 px are off by 0.013 px at quarters of a pixel (docs/limits.md)"}
 
 
 class Vectors:
@@ -59,12 +62,14 @@ def inner(vectors, width=WIDTH, height=HEIGHT, border=BORDER):
 
 
 def apart(one, two):
-    """Root mean square of differences over their stated deviation; infinite if the partner lacks a tenth of the vectors."""
+    """Root mean square of differences over their stated deviation; infinite if the partner lacks a tenth of the vectors, or if over
+    a hundredth of the components, and more than two, are apart by over 4 deviations."""
     (d, variance), (other, other_variance) = one, two
     both = np.isfinite(d + other).all(axis=1)
     if both.sum() < 0.9 * np.isfinite(d).all(axis=1).sum() or both.sum() < 20:
         return np.inf
-    return float(np.sqrt(np.mean((d - other)[both]**2 / (variance + other_variance)[both])))
+    square = ((d - other)**2 / (variance + other_variance))[both]
+    return np.inf if (square > 16).sum() > max(2, 0.01 * square.size) else float(np.sqrt(square.mean()))
 
 
 class Measuring:
@@ -75,14 +80,14 @@ class Measuring:
         self.known = {}
 
     def __call__(self, frames, names=None, keys=""):
-        mark = hash((tuple(f.tobytes() for f in frames), frames[0].shape, tuple(names or ()), keys))
+        mark = (*(f.tobytes() for f in frames), frames[0].shape, *(names or ()), keys)
         if mark not in self.known:
             self.count += 1
             here = self.here / str(self.count)
             save(here / "frames", frames, names)
             case = here / "case.toml"
-            case.write_text(f'name = "frames"\n[frames]\npath = "frames/*.pgm"\nrate_hz = 1.0\n[grid]\nspacing_px = {SPACING}\n[piv]\n{keys}')
-            done = run_program(self.program, "piv", case, "--out", here / "out", "--quiet", "--threads", "1")
+            case.write_text(f'name = "frames"\n[frames]\npath = "frames/*"\nrate_hz = 1.0\n[grid]\nspacing_px = {SPACING}\n[piv]\n{keys}')
+            done = run_program(self.program, "piv", case, "--out", here / "out", "--quiet", "--no-report", "--threads", "1")
             assert done.returncode in (0, 3), (done.returncode, done.stderr, here)
             self.known[mark] = Vectors(here / "out" / "record.h5", frames[0].shape[0])
             if not self.keep:
@@ -169,8 +174,30 @@ def repeated(frames, measured, scene):
 
 
 def names_changed(frames, measured, scene):
-    one, two = measured(frames[:2]), measured(frames[:2], ["IMG_0991.pgm", "IMG_1002.pgm"])
+    return identical(measured(frames[:2]), measured(frames[:2], ["IMG_0991.pgm", "IMG_1002.pgm"]))
+
+
+def as_png(frames, measured, scene):
+    return identical(measured(frames[:2]), measured(frames[:2], ["f0.png", "f1.png"]))
+
+
+def identical(one, two):
     return 0.0 if np.array_equal(one.d, two.d, equal_nan=True) else 1.0
+
+
+def as_jpeg(frames, measured, scene):
+    """As JPEG of quality 92 keeps them."""
+    return partner(measured, frames[:2], [recoded(f, 92) for f in frames[:2]])
+
+
+def region_far_away(frames, measured, scene):
+    """Material on the left, without and with some on the right."""
+    def region(name, left, right):
+        return (f"[region.{name}]\npolygon_m = [[{left}, 4.3], [{right}, 4.3], [{right}, {HEIGHT - 5.3}], [{left}, {HEIGHT - 5.3}]]\n")
+    left = region("near", 4.3, 100.6)
+    one, two = measured(frames[:2], keys=left), measured(frames[:2], keys=left + region("far", 140.2, WIDTH - 4.4))
+    nodes = [(x, y) for x, y in inner(one, border=24) if x < 80]
+    return apart(one.at(nodes), two.at(nodes))
 
 
 def future_removed(frames, measured, scene):
@@ -203,7 +230,14 @@ def mask_elsewhere(frames, measured, scene):
     return partner(measured, frames[:2], frames[:2], keys='[mask.corner]\npolygon_px = [[0, 0], [6, 0], [6, 6], [0, 6]]\n')
 
 
-Relation = collections.namedtuple("Relation", "measure bound of")  # of: "pairs" (published too), "drawn"
+class Relation:
+    def __init__(self, measure, bound, of):  # of: "pairs" (published too), "drawn", "onset"
+        self.measure, self.bound, self.of = measure, bound, of
+
+    def suits(self, scene):
+        return scene.kind in {"pairs": ("drawn", "pair")}.get(self.of, (self.of,))
+
+
 RELATIONS = {
     "exchanged": Relation(exchanged, SAME, "pairs"),
     "scaled": Relation(scaled, SAME, "pairs"),
@@ -219,6 +253,9 @@ RELATIONS = {
     "padded with still texture": Relation(padded("texture"), SAME, "pairs"),
     "frame repeated": Relation(repeated, SAME, "pairs"),
     "names changed": Relation(names_changed, 0.0, "pairs"),
+    "as PNG": Relation(as_png, 0.0, "pairs"),
+    "as JPEG": Relation(as_jpeg, OTHER, "pairs"),
+    "region far away": Relation(region_far_away, SAME, "pairs"),
     "mask elsewhere": Relation(mask_elsewhere, SAME, "pairs"),
     "two pairs for one": Relation(two_for_one, OTHER, "drawn"),
     "other noise": Relation(other_noise, OTHER, "drawn"),
@@ -227,9 +264,9 @@ RELATIONS = {
 
 
 class Scene:
-    def __init__(self, name, place, frames, seed, kind, grain):
+    def __init__(self, name, place, frames, seed, kind, grain, noise):
         self.name, self.kind = f"{name}, seed {seed}", kind
-        self.frames = lambda noise_seed=0: drawn(WIDTH, HEIGHT, place, frames, seed, noise_seed, grain=grain)
+        self.frames = lambda noise_seed=0: drawn(WIDTH, HEIGHT, place, frames, seed, noise_seed, noise, grain)
 
 
 class Published:
@@ -241,9 +278,15 @@ class Published:
 
 def scenes(count, first):
     for seed in range(first, first + count):
-        grain = (1.2, 1.6, 2.4)[seed % 3]
-        yield Scene("vortex", vortex(WIDTH, HEIGHT, 1.7, 40), 3, seed, "drawn", grain)
-        yield Scene("band that begins", band(WIDTH, HEIGHT, 0.08, 7, onset=9), 19, seed, "onset", grain)
+        dice = np.random.default_rng([seed, 53])
+        grain, noise = dice.uniform(1.1, 2.6), dice.choice([0.7, 2, 5])
+
+        def scene(name, place, frames=3, kind="drawn"):
+            return Scene(name, place, frames, seed, kind, grain, noise)
+        yield scene("vortex", vortex(WIDTH, HEIGHT, dice.uniform(0.5, 2.5), dice.uniform(32, 55)))
+        yield scene("band", band(WIDTH, HEIGHT, dice.uniform(0.2, 1.5), dice.uniform(7, 20)))
+        yield scene("stretched and turned", evenly(WIDTH, HEIGHT, dice.uniform(-4, 4, 2), dice.uniform(-0.02, 0.02, (2, 2))))
+        yield scene("band that begins", band(WIDTH, HEIGHT, dice.uniform(0.05, 0.12), dice.uniform(6, 10), onset=9), 19, "onset")
     for name, frames in published(WIDTH, HEIGHT).items():
         yield Published(name, frames)
 
@@ -253,16 +296,23 @@ def main():
     parser.add_argument("program")
     parser.add_argument("count", nargs="?", type=int, default=1)
     parser.add_argument("first", nargs="?", type=int, default=1)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--all", action="store_true", help="known faults too")
     parser.add_argument("--only", choices=RELATIONS)
     parser.add_argument("--keep", action="store_true", help="the cases of all frames")
     options = parser.parse_args()
     worst, violations, began = collections.defaultdict(float), 0, time.time()
     measured = Measuring(options.program, options.keep)
-    for scene in scenes(options.count, options.first):
+    every = list(scenes(options.count, options.first))
+    for n, scene in enumerate(every):
+        measured.known.clear()  # of the scene before
         frames = scene.frames()
-        for name, relation in RELATIONS.items():
-            if options.only not in (None, name) or (relation.of == "onset") != (scene.kind == "onset") or (
-                    relation.of == "drawn" and scene.kind != "drawn"):
+        for k, (name, relation) in enumerate(RELATIONS.items()):
+            if options.only not in (None, name) or not relation.suits(scene):
+                continue
+            turn = [m for m, other in enumerate(every) if relation.suits(other)]
+            known = any(name == fault and scene.name.startswith(of) for fault, of in KNOWN)
+            if (options.quick and turn[k % len(turn)] != n) or (known and not options.all):
                 continue
             value = relation.measure(frames, measured, scene)
             worst[name] = max(worst[name], value)
