@@ -228,6 +228,10 @@ void Tracker::correct(std::size_t p, const Correction& to) {
   cov_F_[p] = to.cov_F;
 }
 
+void Tracker::widen_F(std::size_t p, const std::array<double, 3>& by) {
+  for (std::size_t k = 0; k < 3; ++k) cov_F_[p][k] += by[k];
+}
+
 void Tracker::add(const ParticleSet& born) {
   check_particles(born);
   const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };

@@ -67,6 +67,8 @@ class Tracker {
     std::array<double, 3> cov_F{0, 0, 0};
   };
   void correct(std::size_t p, const Correction& to);
+  /// Adds to the covariance of a row of F, xx, yy, xy, for a reason outside the step.
+  void widen_F(std::size_t p, const std::array<double, 3>& by);
   /// Particles that join at the present time, alive, with F = I. Throws InputError as the constructor.
   void add(const ParticleSet& born);
   /// Flags this frame's state of a living particle, for a reason outside the step.
@@ -94,6 +96,7 @@ class Tracker {
     explicit StateView(const Tracker& tracker) : tracker_(tracker) {}
     std::size_t size() const { return tracker_.x_.size(); }
     const Vec2& place(std::size_t p) const { return tracker_.x_[p]; }
+    const Mat2& F(std::size_t p) const { return tracker_.F_[p]; }
     ParticleStatus status(std::size_t p) const { return tracker_.status_[p]; }
     Particle operator[](std::size_t p) const {
       return {tracker_.x_[p], tracker_.F_[p], tracker_.total(p), tracker_.status_[p],

@@ -1,9 +1,11 @@
 #include "pivnp/piv/joint_smoothing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
+#include "pivnp/core/grid/bends.hpp"
 #include "pivnp/piv/dense/lattice_filter.hpp"
 #include "pivnp/piv/dense/lost.hpp"
 #include "pivnp/piv/dense/quality.hpp"
@@ -123,15 +125,20 @@ void JointSmoothing::depart_smoothly(const Field& base, const std::vector<std::u
 // (a smoother takes off its width squared times the Laplacian, and restoration does not bring back all). All share it.
 void JointSmoothing::state_bend(float pairs, Field& field) const {
   constexpr float share = 1.0f / 16;  // of the Laplacian, cells squared: measured on bands of tanh
+  std::vector<std::array<float, 2>> missing(lattice_.size(), {0, 0});
   each_point([&](int i, int j, std::size_t k) {
     if (i == 0 || j == 0 || i == lattice_.nx - 1 || j == lattice_.ny - 1) return;
-    for (const auto part : {&Components::u, &Components::v}) {
-      const std::vector<float>& f = field.value.*part;
-      const float above = f[lattice_.index(i, j - 1)], below = f[lattice_.index(i, j + 1)];
-      const float missing = share * (f[k - 1] + f[k + 1] + above + below - 4 * f[k]);
-      (field.variance.*part)[k] += pairs * missing * missing;
-      (field.shared.*part)[k] += missing * missing;
-    }
+    const std::size_t above = lattice_.index(i, j - 1), below = lattice_.index(i, j + 1);
+    const auto bent = [&](const std::vector<float>& f) {
+      return share * (f[k - 1] + f[k + 1] + f[above] + f[below] - 4 * f[k]);
+    };
+    missing[k] = {bent(field.value.u), bent(field.value.v)};
+  });
+  sharpen_bends(lattice_.nx, lattice_.ny, missing);
+  each_point([&](int, int, std::size_t k) {
+    const float u = missing[k][0] * missing[k][0], v = missing[k][1] * missing[k][1];
+    field.variance.u[k] += pairs * u, field.variance.v[k] += pairs * v;
+    field.shared.u[k] += u, field.shared.v[k] += v;
   });
 }
 

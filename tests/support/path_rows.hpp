@@ -2,6 +2,9 @@
 // tenth, at half and at the end of sequences of many kinds. Truth is the map that carried the texture.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <functional>
 #include <string>
 
@@ -79,25 +82,71 @@ struct Hold {
 };
 using HoldOf = std::function<Hold(const Sequence&, const PivOptions&, int threads)>;
 
+/// Particles `apart` px apart, 64 px from the frame's border, after the last pair of the sequence.
+inline np::Tracker followed(const Sequence& s, double apart, const PivOptions& options, int threads, const HoldOf& hold_of,
+                            const std::function<void(const np::Tracker&, int frame)>& at_frame) {
+  const Measured m = measure(s, options, threads);
+  np::Tracker tracker = started(s, 64, apart, {});
+  np::BendLoss lost(tracker.particles().size());
+  const Hold hold = hold_of ? hold_of(s, options, threads) : Hold{};
+  if (hold.start) hold.start(tracker, lost);
+  for (const VectorField& pair : m.pairs) {
+    const int k = pair.pair[1];
+    lost.before_step(tracker);
+    tracker.step(pair, k);
+    lost.after_step(tracker, pair, np::BendLoss::length_of(pair, options.window_px));
+    if (hold.after_step) hold.after_step(tracker, lost, pair, k == s.frames - 1);
+    at_frame(tracker, k);
+  }
+  return tracker;
+}
+
+/// Bands of tanh(s/half_width) of that shear strain at their middle at the end: shares of the places within 1.2 half
+/// widths that are flagged or whose shear, and displacement along the band where it bends (beyond 0.3 half widths), are
+/// within one stated sigma.
+inline SequenceRow band_row(double half_width, double strain, bool brief, const HoldOf& hold_of) {
+  char name[96];
+  std::snprintf(name, sizeof name, "21 frames: band of %g px, strain %g", half_width, strain);
+  return {name, brief, [=](const PivOptions& options, int seed, int threads) -> SequenceFigures {
+            Sequence s{.width = 288, .height = 256, .frames = 21, .seed = seed, .noise = .02};
+            const int last = s.frames - 1;
+            const Vec2 along(std::cos(5 * M_PI / 180), std::sin(5 * M_PI / 180)), across(-along.y(), along.x());
+            s.place = band(s, strain * half_width / last, half_width);
+            const np::Tracker tracker = followed(s, 3, options, threads, hold_of, [](const np::Tracker&, int) {});
+            double live = 0, shown = 0, bends = 0, one = 0, strain_one = 0, silent = 0;
+            for (std::size_t p = 0; p < tracker.particles().size(); ++p) {
+              const auto state = tracker.state()[p];
+              const Vec2 X = tracker.particles().x0[p];
+              const double from = std::abs(across.dot(X - Vec2(.5 * s.width, .5 * s.height))) / half_width;
+              if (state.status == ParticleStatus::ended || from > 1.2) continue;
+              const bool flagged = state.status == ParticleStatus::flagged;
+              Mat2 C, R;
+              C << state.cov[0], state.cov[2], state.cov[2], state.cov[1];
+              R << state.cov_F[0], state.cov_F[2], state.cov_F[2], state.cov_F[1];
+              const double off = std::abs(along.dot(state.x - s.place(X, last))),
+                           shear = std::abs(along.dot((state.F - gradient_of(s, X, last)) * across)),
+                           sigma = std::sqrt(along.dot(C * along));
+              ++live, shown += !flagged;
+              strain_one += flagged || shear <= std::sqrt(across.dot(R * across));
+              silent += !flagged && off > std::max(1.0, 3 * sigma);
+              if (from > .3) ++bends, one += flagged || off <= sigma;
+            }
+            return {{"not flagged", shown / live, 0, true},
+                    {"within one sigma or flagged", one / bends, .60, true},
+                    {"strain: the same", strain_one / live, .55, true},
+                    {"silently wrong", silent / live, .01}};
+          }};
+}
+
 /// `most`: rms of the displacement's components at the end, px.
 inline SequenceRow coverage_row(const std::string& name, bool brief, Sequence s, double most, const HoldOf& hold_of) {
   return {name, brief, [=](const PivOptions& options, int seed, int threads) -> SequenceFigures {
             Sequence drawn = s;
             drawn.seed = seed;
-            const Measured m = measure(drawn, options, threads);
-            np::Tracker tracker = started(drawn, 64, 6, {});
-            np::BendLoss lost(tracker.particles().size());
-            const Hold hold = hold_of ? hold_of(drawn, options, threads) : Hold{};
-            if (hold.start) hold.start(tracker, lost);
             SequenceFigures out;
             const int last = s.frames - 1;
-            for (const VectorField& pair : m.pairs) {
-              const int k = pair.pair[1];
-              lost.before_step(tracker);
-              tracker.step(pair, k);
-              lost.after_step(tracker, pair, np::BendLoss::length_of(pair, options.window_px));
-              if (hold.after_step) hold.after_step(tracker, lost, pair, k == last);
-              if (k != (last + 9) / 10 && k != last / 2 && k != last) continue;
+            followed(drawn, 6, options, threads, hold_of, [&](const np::Tracker& tracker, int k) {
+              if (k != (last + 9) / 10 && k != last / 2 && k != last) return;
               const Coverage c = coverage(drawn, tracker, k);
               const std::string at = ", frame " + std::to_string(k);
               const auto inside = [&](const char* what, double share, double least) {
@@ -109,7 +158,7 @@ inline SequenceRow coverage_row(const std::string& name, bool brief, Sequence s,
               inside("strain within two sigma", c.strain_two, .90);
               if (k == last) out.push_back({"paths: rms, px", c.rms, most});
               if (k == last) out.push_back({"silently wrong", c.silent, .01});
-            }
+            });
             return out;
           }};
 }
@@ -143,6 +192,8 @@ inline std::vector<SequenceRow> path_rows(const sequence::HoldOf& hold_of = {}) 
   Sequence lit = of(.02);
   lit.light = [](double x, double, int k) { return 1 - .4 / (1 + std::exp((x - 100 - 8 * k) / 25)); };
   add("punch, noise 2 %, moving shadow", lit, punch(frames), .2);
+  for (const double half_width : {4, 7, 12, 22})
+    for (const double strain : {0.2, 1.1, 4.6}) rows.push_back(band_row(half_width, strain, half_width == 7, hold_of));
   return rows;
 }
 

@@ -115,6 +115,28 @@ TEST(BendLoss, FlagsWhereItPrevails) {
   }
 }
 
+// A cubic y^3 bends evenly more from row to row: F loses l^2 times its third derivative a step, and cov_F gains the square
+// of that; where the field bends evenly, nothing, though F turns as material does.
+TEST(BendLoss, StatesWhatTheGradientLoses) {
+  const auto cubic = [](const Vec2& x) { return Vec2(1e-5 * std::pow(x.y() - 128, 3), 0); };
+  const auto gained = [](const std::function<Vec2(const Vec2&)>& d, Anchor anchor, int steps) {
+    VectorField field = bending::field(d, 0.01f);
+    field.anchor = anchor;
+    bending::Run run({{130, 121}});
+    Tracker bare(NpOptions{}, testing::particles_at({{130, 121}}), 0);
+    run.steps(field, steps);
+    for (int n = 1; n <= steps; ++n) bare.step(field, n);
+    return run.tracker.state()[0].cov_F[1] - bare.state()[0].cov_F[1];
+  };
+  for (const Anchor anchor : {Anchor::forward, Anchor::central}) {
+    const double a_step = bending::length * bending::length * 6e-5;
+    EXPECT_NEAR(std::sqrt(gained(cubic, anchor, 1)), a_step, 0.03 * a_step);
+    EXPECT_NEAR(std::sqrt(gained(cubic, anchor, 12)), 12 * a_step, 0.03 * 12 * a_step);
+    EXPECT_NEAR(gained(bending::parabola, anchor, 12), 0, 1e-3 * a_step * a_step);
+    EXPECT_NEAR(gained(bending::shear, anchor, 12), 0, 1e-3 * a_step * a_step);
+  }
+}
+
 TEST(BendLoss, GapsAndUnknownErrorsAddNothingThatIsNoNumber) {
   VectorField field = bending::field(bending::parabola, 0.01f);
   const std::size_t hole = field.grid.node(8, 12);
