@@ -123,7 +123,7 @@ class View {
  public:
   void look(const Particles& p, const GridState& g, const std::uint32_t node[2]) {
     const std::size_t nx = std::size_t(g.grid.nx), width = std::size_t(g.width);
-    const Vec2 at = g.position(node[0]);
+    const Vec2 at = g.place(node[0]);
     per_line_ = 4 / g.grid.spacing.minCoeff();
     for (std::size_t side = 0; side < 2; ++side) {
       seen_[side].clear();
@@ -262,7 +262,7 @@ void Contacts::apply(GridState& g, const Restraints& restraints, std::vector<Rea
         reactions.push_back({m.node[side], taken.x(), taken.y(), node.nx, node.ny});
     }
     if (const Law& law = laws_[std::size_t(m.law)]; !of_contacts.empty())
-      of_contacts[law.option].add(law.side == 0 ? Vec2(-impulse) : impulse, g.position(m.node[law.side]));
+      of_contacts[law.option].add(law.side == 0 ? Vec2(-impulse) : impulse, g.place(m.node[law.side]));
     m.closing = m.normal.dot(Vec2(g.node[m.node[0]].nx - g.node[m.node[1]].nx, g.node[m.node[0]].ny - g.node[m.node[1]].ny));
   }
 }

@@ -9,8 +9,8 @@ namespace pivnp::mpm {
 using Type = BoundaryType;
 
 Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridGeometry& g,
-                       const Vec2& centroid, const Impedance& impedance)
-    : walls_(walls_of(boundaries, g, centroid, impedance)) {
+                       const Vec2& centroid, const Impedance& impedance, bool may_move_nodes)
+    : walls_(walls_of(boundaries, g, centroid, impedance, may_move_nodes)) {
   std::vector<RestrainedNode> at_node(g.field_grid.node_count());
   for (std::size_t w = 0; w < walls_.size(); ++w)
     for (std::size_t k = 0; k < walls_[w].nodes.size(); ++k) {
@@ -30,6 +30,9 @@ Restraints::Restraints(const std::vector<std::pair<std::string, BoundaryOptions>
       nodes_.push_back(at_node[n]);
       nodes_.back().node = std::uint32_t(std::size_t(field) * g.field_nodes() + n);
       nodes_.back().place = g.position(n);
+      for (const std::uint16_t w : nodes_.back().walls)
+        for (int axis = 0; axis < 2; ++axis)
+          if (walls_[w].shift[axis] != 0) nodes_.back().place[axis] = walls_[w].from[axis];
     }
   for (const RestrainedNode& at : nodes_) changes_.insert(changes_.end(), at.until.begin(), at.until.end());
   std::sort(changes_.begin(), changes_.end());
@@ -255,6 +258,19 @@ std::vector<std::uint8_t> Restraints::wall_sides(double time, const Grid& grid, 
       if (const Wall& wall = walls_[at.walls[w]]; time < at.until[w] && (tied || wall.type != Type::tied))
         sides[at.node] = std::uint8_t(sides[at.node] | wall.side);
   return sides;
+}
+
+std::vector<Vec2> Restraints::node_shifts(double time, const Grid& grid) const {
+  std::vector<Vec2> shifts;
+  for (const RestrainedNode& at : nodes_)
+    for (std::size_t w = 0; w < at.walls.size(); ++w) {
+      const Wall& wall = walls_[at.walls[w]];
+      if (time >= at.until[w] || wall.shift == Vec2(0, 0)) continue;
+      if (shifts.empty()) shifts.assign(grid.node_count(), Vec2::Zero());
+      for (int axis = 0; axis < 2; ++axis)
+        if (wall.shift[axis] != 0) shifts[at.node][axis] = wall.shift[axis];
+    }
+  return shifts;
 }
 
 bool Restraints::any_absorbing() const {

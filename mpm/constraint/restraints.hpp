@@ -24,7 +24,7 @@ class Restraints {
  public:
   /// Throws InputError naming boundary.<name>.<key> (walls_of()).
   Restraints(const std::vector<std::pair<std::string, BoundaryOptions>>& boundaries, const GridGeometry& g,
-             const Vec2& centroid, const Impedance& impedance);
+             const Vec2& centroid, const Impedance& impedance, bool may_move_nodes = true);
 
   /// Restrains Node::nx, ny; the impulses are appended to `reactions`, and added to those of their walls, where `of_walls` has
   /// one for each of walls(). With dt = 0 (initial equilibrium) absorbing walls are fixed.
@@ -45,6 +45,8 @@ class Restraints {
   double next_change(double time) const;
   /// Behind which walls nothing is, for every node of the grid (WallSide); `tied`: behind tied sides, too.
   std::vector<std::uint8_t> wall_sides(double time, const Grid& grid, bool tied) const;
+  /// By how much every node of the grid is moved onto its walls, m; empty where none is.
+  std::vector<Vec2> node_shifts(double time, const Grid& grid) const;
   bool any_absorbing() const;
   const TiedSides& tied() const { return tied_; }
   const std::vector<Wall>& walls() const { return walls_; }

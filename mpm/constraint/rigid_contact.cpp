@@ -216,12 +216,12 @@ void RigidBodies::find_nodes_inside(const Body& body, int number, double time, s
   const double round_off = 1e-6 * spacing_;
   for (const std::uint32_t n : g.active.nodes) {
     if (!(g.node[n].mass > 0)) continue;
-    const Vec2 at = body.place_at_time_0(g.position(n), time);
+    const Vec2 at = body.place_at_time_0(g.place(n), time);
     Vec2 unused;
     if (!body.polygon->contains(at) && body.polygon->distance(at, unused) > round_off) continue;
     Contact c;
     c.body = number;
-    c.x = g.position(n);
+    c.x = g.place(n);
     c.normal = body.way.squaredNorm() > 0 ? body.way : Vec2(1, 0);
     c.pulls = true;
     c.begin = shares_.size();
@@ -301,7 +301,7 @@ void RigidBodies::apply(double time, double dt, double least_mass, std::span<con
     for (std::size_t k = c.begin; k < c.end; ++k) {
       const NodeShare& s = shares_[k];
       if (s.share == 0) continue;
-      const Vec2 v = bodies_[std::size_t(c.body)].velocity_of(g.position(s.node), time);
+      const Vec2 v = bodies_[std::size_t(c.body)].velocity_of(g.place(s.node), time);
       reactions.push_back({s.node, s.share * impulse.x(), s.share * impulse.y(), v.x(), v.y(), c.body});
       // (In a layer the points of the material itself bear the impulse.)
       if (!c.layer) g.node[s.node].hold();

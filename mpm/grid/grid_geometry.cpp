@@ -8,6 +8,10 @@ namespace {
 
 constexpr double round_off = 1e-9;  // of a cell, as in pivnp::locate
 
+bool any_moved(const MovedNodes* of) {
+  return of && (of->low[0] != 0 || of->low[1] != 0 || of->high[0] != 0 || of->high[1] != 0);
+}
+
 // At least one row stays empty between two velocity fields, and each begins a new band of rows.
 int rows_of_field(int ny, int velocity_fields) {
   constexpr int multiple = 8;
@@ -60,17 +64,18 @@ Vec2 GridGeometry::natural(const Particles& p, std::size_t k) const {
 std::uint8_t GridGeometry::marks_of(std::int32_t cell, int row) const {
   const int i = cell - row * grid.nx, j = velocity_fields == 1 ? row : row % field_rows;
   const bool edge = centred && (i == 0 || j == 0 || i == grid.nx - width || j == field_grid.ny - width);
-  return std::uint8_t(walls_of(cell) | (edge ? at_edge : 0));
+  return std::uint8_t(walls_of(cell) | (edge ? at_edge : 0) | (any_moved(moved_in(cell)) ? wall_moved : 0));
 }
 
 void GridGeometry::weights_at(std::int32_t cell, double xi, double eta, std::size_t* at, double* weights) const {
   const unsigned beside = walls_of(cell);
+  const MovedNodes* by = moved_in(cell);
   stencil_nodes(cell, at);
   Shapes::with(shape, [&](auto kind) {
     using S = decltype(kind);
     constexpr double half = 0.25;
-    const auto lx = line_of<S>(xi, half, beside & wall_left, beside & wall_right);
-    const auto ly = line_of<S>(eta, half, beside & wall_down, beside & wall_up);
+    const auto lx = line_of<S>(xi, half, beside & wall_left, beside & wall_right, by, 0);
+    const auto ly = line_of<S>(eta, half, beside & wall_down, beside & wall_up, by, 1);
     for (int c = 0; c < S::width * S::width; ++c) weights[c] = lx.w[c % S::width] * ly.w[c / S::width];
   });
 }

@@ -35,13 +35,17 @@ class GridGeometry {
   const double per_hx, per_hy;
   std::vector<std::uint8_t> walls;  // WallSide, of every node of the grid
   std::vector<std::uint8_t> sides;  // likewise, and tied sides: shapes go on through these
+  std::vector<Vec2> shift;          // of every node of the grid that is moved onto a wall, m; empty: of none
+  std::vector<MovedNodes> moved;    // of every cell; likewise
 
   std::size_t field_nodes() const { return std::size_t(field_rows) * std::size_t(grid.nx); }
-  /// Where a node is.
+  /// Where a node is in the lattice.
   Vec2 position(std::size_t node) const {
     node %= field_nodes();
     return field_grid.position(int(node % std::size_t(grid.nx)), int(node / std::size_t(grid.nx)));
   }
+  /// Where it is: at its wall, if it is moved there.
+  Vec2 place(std::size_t node) const { return shift.empty() ? position(node) : Vec2(position(node) + shift[node]); }
   /// By what a volume of a unit of area at a node is multiplied: 1, or its radius (at the axis that of a hat there).
   double measure(std::size_t node) const { return axisymmetric ? std::max(position(node).x(), domain.spacing.x() / 6) : 1.0; }
   /// Flat indices of a cell's nodes, row after row.
@@ -56,7 +60,8 @@ class GridGeometry {
   std::uint8_t walls_of(std::int32_t cell) const {
     return centred ? walls[std::size_t(cell + grid.nx + 1)] : std::uint8_t(wall_none);
   }
-  /// Of a cell in this row: its walls, and at_edge.
+  const MovedNodes* moved_in(std::int32_t cell) const { return moved.empty() ? nullptr : &moved[std::size_t(cell)]; }
+  /// Of a cell in this row: its walls, at_edge and wall_moved.
   std::uint8_t marks_of(std::int32_t cell, int row) const;
 };
 

@@ -35,10 +35,32 @@ void GridState::follow(const Particles& p, const std::vector<Move>& moves) {
   list_active();
 }
 
-void GridState::set_walls(std::vector<std::uint8_t> of_nodes, std::vector<std::uint8_t> with_ties) {
+void GridState::set_walls(std::vector<std::uint8_t> of_nodes, std::vector<std::uint8_t> with_ties,
+                          std::vector<Vec2> shifts) {
   walls = std::move(of_nodes);
   sides = std::move(with_ties);
+  shift = std::move(shifts);
+  move_nodes();
   mark_cells();
+}
+
+// What a moved node is to its own cell, and to the next one inwards.
+void GridState::move_nodes() {
+  moved.assign(shift.empty() ? 0 : grid.node_count(), {});
+  const std::size_t before = std::size_t(grid.nx) + 1, step[] = {1, std::size_t(grid.nx)};
+  for (std::size_t n = before; n < shift.size(); ++n)
+    for (int axis = 0; axis < 2; ++axis) {
+      const double s = shift[n][axis] / grid.spacing[axis];
+      const std::uint8_t low = axis == 0 ? wall_left : wall_down, high = axis == 0 ? wall_right : wall_up;
+      const std::size_t cell = n - before;
+      if (s != 0 && walls[n] & low) {
+        moved[cell].low[axis] = s;
+        if (!(walls[n + step[axis]] & low)) moved[cell + step[axis]].low[axis] = s;
+      } else if (s != 0 && walls[n] & high) {
+        moved[cell].high[axis] = -s;
+        if (!(walls[n - step[axis]] & high) && cell >= step[axis]) moved[cell - step[axis]].high[axis] = -s;
+      }
+    }
 }
 
 void GridState::set_asleep(const std::vector<std::uint8_t>& asleep) {
@@ -104,6 +126,7 @@ CellView GridState::view() {
           .begin = cells.begin.data(),
           .index = cells.index.data(),
           .marks = marks.data(),
+          .moved = moved.data(),
           .points = cells.order.size(),
           .node = node.data(),
           .strain_velocity = shared ? &node.data()->nx : &arrays.own_strain_velocity.data()->x,

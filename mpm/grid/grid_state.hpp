@@ -44,8 +44,10 @@ class GridState : public GridGeometry {
   void rebuild(const Particles& particles);
   /// The same, where only these points (their places ascending) have another cell than before.
   void follow(const Particles& particles, const std::vector<Move>& moves);
-  /// Walls beside the nodes from here on, and those with tied sides (Restraints::wall_sides()).
-  void set_walls(std::vector<std::uint8_t> of_nodes, std::vector<std::uint8_t> with_ties);
+  /// Walls beside the nodes from here on, those with tied sides (Restraints::wall_sides()), and by how much the nodes
+  /// are moved onto walls (Restraints::node_shifts()).
+  void set_walls(std::vector<std::uint8_t> of_nodes, std::vector<std::uint8_t> with_ties,
+                 std::vector<Vec2> shifts = {});
   /// Which blocks sleep from here on; empty: none.
   void set_asleep(const std::vector<std::uint8_t>& blocks);
 
@@ -74,6 +76,7 @@ class GridState : public GridGeometry {
 
  private:
   void mark_cells();
+  void move_nodes();
   void list_active();
 
   std::vector<std::uint32_t> cells_apart_, nodes_apart_;

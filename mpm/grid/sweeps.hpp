@@ -157,13 +157,14 @@ void for_points(const Particles& p, const GridState& g, Range cells, Wanted&& wa
     std::size_t at[most_stencil_nodes];
     g.stencil_nodes(g.cells.index[s], at);
     const unsigned walls = g.marks[s];
+    const MovedNodes* moved = g.moved_in(g.cells.index[s]);
     for (std::uint32_t q = g.cells.begin[s]; q < g.cells.begin[s + 1]; ++q) {
       const std::uint32_t k = g.cells.order[q];
       if (!wanted(k)) continue;
       const Vec2 place = g.natural(p, k);
       const double half = S::needs_size ? p.half[k] : 0;
-      each(k, at, line_of<S>(place.x(), half, walls & wall_left, walls & wall_right),
-           line_of<S>(place.y(), half, walls & wall_down, walls & wall_up));
+      each(k, at, line_of<S>(place.x(), half, walls & wall_left, walls & wall_right, moved, 0),
+           line_of<S>(place.y(), half, walls & wall_down, walls & wall_up, moved, 1));
     }
   }
 }

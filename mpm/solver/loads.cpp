@@ -49,7 +49,7 @@ void Solver::Impl::map_loads(double dt, int threads) {
   }
   if (const Centrifuge* field = loading.centrifuge())
     for_nodes(g, threads, [&](Node& node, std::uint32_t n) {
-      const Vec2 a = field->acceleration(g.position(n), state.time);
+      const Vec2 a = field->acceleration(g.place(n), state.time);
       g.arrays.loads[n].x += node.mass * a.x();
       g.arrays.loads[n].y += node.mass * a.y();
     });

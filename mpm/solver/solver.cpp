@@ -37,6 +37,11 @@ SceneNeeds needs_with_pores(const Scene& scene, const std::vector<PoreSoil>& por
   return needs;
 }
 
+// Elements of water and of heat have their nodes in the lattice.
+bool flows_in(const Scene& scene, const std::vector<PoreSoil>& pores) {
+  return scene.water && std::any_of(pores.begin(), pores.end(), [](const PoreSoil& s) { return s.holds_water(); });
+}
+
 }  // namespace
 
 Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
@@ -52,13 +57,16 @@ Solver::Impl::Impl(const MpmOptions& o, Scene s, int n_threads)
       contacts(scene.contacts, scene.particles.label_names),
       g(scene.grid, scheme.shape, contacts.velocity_fields(), scheme.stress == StressUpdate::usl,
         node_needs(scheme, materials, needs_with_pores(scene, pores)), scheme.axisymmetric),
-      restraints(scene.boundaries, g, centroid(scene.particles),
-                 [this](const Vec2& x) { return impedance_near(scene, materials, undrained_stiffness(), x); }),
+      restraints(
+          scene.boundaries, g, centroid(scene.particles),
+          [this](const Vec2& x) { return impedance_near(scene, materials, undrained_stiffness(), x); },
+          !scene.heat && !flows_in(scene, pores)),
       bodies(scene.bodies, g.field_grid, contacts.velocity_fields()),
       loading(o, scene),
       reduction(scene.materials.size(), 1.0),
       nonlocal(materials, g) {
   const Vec2 gravity = gravity_at_rest();
+  fill_up_to_walls(restraints.walls(), g, scene.particles);
   bodies.check_clear(scene.particles.x0);
   for (const auto& [name, boundary] : scene.boundaries)
     if (boundary.grips) bodies.grip(name, boundary, centroid(scene.particles));
@@ -107,7 +115,10 @@ double Solver::Impl::longest_step() const {
   return heat ? std::min(of_waves, courant() * heat->longest_step(g)) : of_waves;
 }
 
-void Solver::Impl::set_walls(double time) { g.set_walls(restraints.wall_sides(time, g.grid, false), restraints.wall_sides(time, g.grid, true)); }
+void Solver::Impl::set_walls(double time) {
+  g.set_walls(restraints.wall_sides(time, g.grid, false), restraints.wall_sides(time, g.grid, true),
+              restraints.node_shifts(time, g.grid));
+}
 
 double Solver::Impl::next_change(double time) const {
   return std::min({restraints.next_change(time), bodies.next_change(time), loading.next_change(time)});

@@ -29,7 +29,7 @@ void Solver::Impl::add_work(const Cycle& c) {
   state.balance.add(done, gather.kinetic_loss);
   last = {leaps() ? c.push : 0, leaps() ? c.dt : 0, done.contact, done.damping, done.bodies};
   for (const Reaction& r : reactions)
-    if (r.body >= 0) impulses_of_bodies()[std::size_t(r.body)].add({r.impulse_x, r.impulse_y}, g.position(r.node));
+    if (r.body >= 0) impulses_of_bodies()[std::size_t(r.body)].add({r.impulse_x, r.impulse_y}, g.place(r.node));
   if (pushes()) {
     std::vector<Vec2> more(state.touched.size());
     std::transform(state.touched.begin(), state.touched.end(), more.begin(),

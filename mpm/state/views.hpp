@@ -8,6 +8,8 @@
 
 namespace pivnp::mpm {
 
+struct MovedNodes;
+
 /// The arrays of Particles; those that a case does not need are null.
 struct PointView {
   double *x, *y, *vx, *vy, *mass, *volume0;
@@ -28,7 +30,8 @@ struct PointView {
 struct CellView {
   const std::uint32_t *order, *begin;  // points, cell after cell; of each occupied cell, its first one's place
   const std::int32_t* index;           // of each occupied cell
-  const std::uint8_t* marks;           // likewise: WallSide, strained_apart, at_edge
+  const std::uint8_t* marks;           // likewise: WallSide, strained_apart, at_edge, wall_moved
+  const MovedNodes* moved;             // of every cell of the grid, where one is marked wall_moved
   std::size_t points;                  // of which `order` is made
   Node* node;
   double* strain_velocity;  // x, y of the velocity that gives the strain increments; of the next node `to_next` behind

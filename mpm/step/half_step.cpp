@@ -43,7 +43,7 @@ VelocityChange pushed_on(const Particles& p, const GridState& g, std::size_t k, 
   for (int c = 0; c < g.stencil; ++c) {
     const Node& node = g.node[at[c]];
     if (!(node.mass > 0)) continue;
-    const Vec2 change = weight[c] * change_of(node, last.push_s), arm = g.position(at[c]) - x;
+    const Vec2 change = weight[c] * change_of(node, last.push_s), arm = g.place(at[c]) - x;
     sum += weight[c];
     out.v += change;
     out.affine += change * arm.transpose();

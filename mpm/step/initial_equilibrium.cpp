@@ -93,7 +93,8 @@ class Relaxation {
     double applied = 0;
     for (std::size_t a = 0; a < g_.active.nodes.size(); ++a) {
       Node& node = g_.node[g_.active.nodes[a]];
-      const Vec2 weight = node.mass * (o_.variation ? Vec2(o_.gravity + o_.variation(g_.position(g_.active.nodes[a]))) : o_.gravity);
+      const Vec2 weight =
+          node.mass * (o_.variation ? Vec2(o_.gravity + o_.variation(g_.place(g_.active.nodes[a]))) : o_.gravity);
       applied += weight.norm();
       const double bound = mass_[g_.active.nodes[a]], per_mass = bound > 0 ? 1 / bound : 0;
       node.mass = mass_[g_.active.nodes[a]];
@@ -245,6 +246,23 @@ void require_held(const Particles& p, const GridState& g, const Restraints& rest
   }
 }
 
+namespace {
+
+// Of every column of cells the share that walls between lines of nodes leave it.
+std::vector<double> open_shares(const GridState& g) {
+  std::vector<double> open(std::size_t(g.domain.nx - 1), 1.0);
+  for (std::size_t n = 0; n < std::min(g.shift.size(), g.field_nodes()); ++n) {
+    const double s = g.shift[n].x() * g.per_hx;
+    const auto column = std::ptrdiff_t(n % std::size_t(g.grid.nx)) - 1 - (s < 0 ? 1 : 0);
+    if (s == 0 || column < 0 || std::size_t(column) >= open.size()) continue;
+    const double to_the_left = s < 0 ? 1 + s : s;
+    open[std::size_t(column)] = g.walls[n] & wall_left ? 1 - to_the_left : to_the_left;
+  }
+  return open;
+}
+
+}  // namespace
+
 // Sums run down a column in storage order.
 void stress_from_columns(Particles& p, const Materials& materials, const GridState& g, double gravity_y,
                          std::optional<double> k0, const PoreWater* water) {
@@ -259,7 +277,9 @@ void stress_from_columns(Particles& p, const Materials& materials, const GridSta
     std::fill(rest.begin() + std::ptrdiff_t(body.begin), rest.begin() + std::ptrdiff_t(body.end),
               k0.value_or(poisson / (1 - poisson)));
   }
+  const std::vector<double> open = open_shares(g);
   for (auto& column : columns) {
+    const double per_width = g.per_hx / open[std::size_t(&column - columns.data())];
     std::stable_sort(column.begin(), column.end(), [&](std::uint32_t a, std::uint32_t b) {
       return gravity_y < 0 ? p.y[a] > p.y[b] : p.y[a] < p.y[b];
     });
@@ -272,7 +292,7 @@ void stress_from_columns(Particles& p, const Materials& materials, const GridSta
         here += g.axisymmetric ? mass / p.x[column[b]] : mass;
         ++b;
       }
-      const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * g.per_hx;
+      const double vertical = -std::abs(gravity_y) * (above + 0.5 * here) * per_width;
       for (; a < b; ++a) {
         const std::uint32_t k = column[a];
         p.tau_yy[k] = vertical;

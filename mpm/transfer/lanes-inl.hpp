@@ -97,15 +97,20 @@ struct TileLines {
   static constexpr bool marked = Tile::marked, beside_walls = S::centred && marked;
   V xi, eta;
   Line<V, S::width> x, y;
+  bool moved = false;  // any of the nodes onto a wall, by these, in cells
+  V shift_x[W], shift_y[W];
+  M by_slope[2];  // lanes where one is moved along x, y
 
-  HWY_INLINE TileLines(const PointView& p, const TileCells& cells, const Tile& t, const Natural& at) : xi(at.xi), eta(at.eta) {
+  HWY_INLINE TileLines(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t, const Natural& at)
+      : xi(at.xi), eta(at.eta) {
     V half = zero();
     if constexpr (S::needs_size) half = t.load(p.half);
     x = S::line(xi, half);
     y = S::line(eta, half);
     if constexpr (beside_walls) {
-      at_wall(cells, xi, half, wall_left, wall_right, x);
-      at_wall(cells, eta, half, wall_down, wall_up, y);
+      moved = cells.any_mark() & wall_moved;
+      along(c, cells, xi, half, 0, wall_left, x, shift_x);
+      along(c, cells, eta, half, 1, wall_down, y, shift_y);
     }
   }
   // Distances of the nodes from the points, in cells.
@@ -114,18 +119,48 @@ struct TileLines {
       ax[a] = set(a + S::first) - xi;
       ay[a] = set(a + S::first) - eta;
     }
+    if constexpr (beside_walls)
+      for (int a = 0; a < S::width && moved; ++a) {
+        ax[a] = ax[a] + shift_x[a];
+        ay[a] = ay[a] + shift_y[a];
+      }
   }
 
  private:
-  static HWY_INLINE void at_wall(const TileCells& cells, V place, V half, unsigned low, unsigned high, Line<V, S::width>& line) {
-    for (const unsigned wall : {low, high}) {
-      if (!(cells.any_mark() & wall)) continue;
-      const M beside = cells.beside(wall);
-      const Line<V, S::width> other = S::line_at_wall(place, half, wall == low);
-      for (int a = 0; a < S::width; ++a) {
-        line.w[a] = hn::IfThenElse(beside, other.w[a], line.w[a]);
-        line.g[a] = hn::IfThenElse(beside, other.g[a], line.g[a]);
+  // By the walls at both ends of an axis; the mark of the one at its high end is twice that of the one at its low end.
+  HWY_INLINE void along(const CellView& c, const TileCells& cells, V place, V half, int axis, unsigned mark,
+                        Line<V, W>& line, V* shift) {
+    const MovedNodes* by[groups] = {};
+    if (moved) {
+      for (std::size_t g = 0; g < groups; ++g) by[g] = c.moved + (cells.base[g] - c.node);
+      for (int a = 0; a < W; ++a) shift[a] = zero();
+      by_slope[axis] = hn::FirstN(D(), 0);
+    }
+    for (const bool low : {true, false}) {
+      const unsigned wall = low ? mark : 2 * mark;
+      V s = zero();
+      if (moved) {
+        const auto& first = low ? by[0]->low : by[0]->high;
+        const auto& second = low ? by[groups - 1]->low : by[groups - 1]->high;
+        s = of_groups(first[axis], second[axis]);
       }
+      if (!moved && !(cells.any_mark() & wall)) continue;
+      const M beside = cells.beside(wall);
+      if (cells.any_mark() & wall) {
+        const Line<V, W> other = S::line_at_wall(place, half, low, s);
+        for (int a = 0; a < W; ++a) {
+          line.w[a] = hn::IfThenElse(beside, other.w[a], line.w[a]);
+          line.g[a] = hn::IfThenElse(beside, other.g[a], line.g[a]);
+        }
+      }
+      if (!moved) continue;
+      const V e = s / (set(1) - s), inwards = low ? s : hn::Neg(s);
+      const int end = low ? 0 : W - 1;
+      move_node(line, 1, low ? 2 : 0, hn::IfThenElseZero(beside, e));
+      move_node(line, end, 1, hn::IfThenZeroElse(beside, e));
+      shift[1] = shift[1] + hn::IfThenElseZero(beside, inwards);
+      shift[end] = shift[end] + hn::IfThenZeroElse(beside, inwards);
+      by_slope[axis] = hn::Or(by_slope[axis], hn::Ne(s, zero()));
     }
   }
 };
@@ -133,7 +168,7 @@ struct TileLines {
 template <class S, class Tile>
 HWY_INLINE TileLines<S, Tile> lines_of(const PointView& p, const CellView& c, const TileCells& cells, const Tile& t,
                                        Where where = Where::now, double dt = 0) {
-  return {p, cells, t, natural<S>(p, c, cells, t, where, dt)};
+  return {p, c, cells, t, natural<S>(p, c, cells, t, where, dt)};
 }
 
 // Axisymmetric: the points' distances from the axis; of lanes without a point anything above zero.

@@ -119,7 +119,7 @@ struct Mapping {
     const Natural place = natural<S>(p, c, cells, t);
     if constexpr (affine && CellMoments::serve<S>)
       if (CellMoments::hold(cells) && p.outside == 0) return tile_by_moments(t, cells, place, volume_factor);
-    const TileLines<S, Tile> l(p, cells, t, place);
+    const TileLines<S, Tile> l(p, c, cells, t, place);
     V ax[W], ay[W], pm[W], ux[W], uy[W], ex[W], ey[W], fxg[W], fxw[W], fyg[W], fyw[W];
     const V m = momentum ? mass_of(p, t) : zero();
     const V vx = t.load(p.vx), vy = t.load(p.vy);

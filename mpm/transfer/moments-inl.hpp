@@ -28,7 +28,7 @@ class CellMoments {
   template <class Shape>
   static constexpr bool serve = std::is_same_v<Shape, BSplineShape> && n_lanes == 8;
   static HWY_INLINE bool hold(const TileCells& cells) {
-    return !(cells.any_mark() & (wall_left | wall_right | wall_down | wall_up));
+    return !(cells.any_mark() & (wall_left | wall_right | wall_down | wall_up | wall_moved));
   }
 
   HWY_INLINE CellMoments(V xi, V eta) : own_(xi, eta), other_(swapped(xi), swapped(eta)) {}

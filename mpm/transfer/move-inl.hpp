@@ -15,7 +15,8 @@ struct Velocity {
   V x, y;
 };
 
-// C = B D^-1 column by column; where the weights are linear, that is the gradient (and D would vanish at a node).
+// C = B D^-1 column by column; where the weights are linear, or a node is moved, the gradient (and D would vanish at a
+// node).
 template <class Lines>
 struct AffineWeights {
   using S = typename Lines::Shape;
@@ -24,19 +25,21 @@ struct AffineWeights {
   HWY_INLINE AffineWeights(const Lines& l, const TileCells& cells, const CellView& c) {
     V ax[W], ay[W];
     l.arms(ax, ay);
-    along(l.x, ax, set(c.per_hx), cells, wall_left | wall_right, x);
-    along(l.y, ay, set(c.per_hy), cells, wall_down | wall_up, y);
+    along(l, l.x, ax, set(c.per_hx), cells, 0, x);
+    along(l, l.y, ay, set(c.per_hy), cells, 1, y);
   }
 
  private:
-  static HWY_INLINE void along(const Line<V, S::width>& l, const V* arm, V per_h, const TileCells& cells, unsigned walls, V* out) {
+  static HWY_INLINE void along([[maybe_unused]] const Lines& both, const Line<V, S::width>& l, const V* arm, V per_h,
+                               const TileCells& cells, int axis, V* out) {
     if constexpr (S::linear) {
       for (int a = 0; a < W; ++a) out[a] = l.g[a] * per_h;
     } else {
       const V per = S::per_moment(l, arm) * per_h;
       for (int a = 0; a < W; ++a) out[a] = l.w[a] * arm[a] * per;
       if constexpr (Lines::beside_walls) {
-        const M beside = cells.beside(walls);
+        M beside = cells.beside(axis == 0 ? wall_left | wall_right : wall_down | wall_up);
+        if (both.moved) beside = hn::Or(beside, both.by_slope[axis]);
         for (int a = 0; a < W; ++a) out[a] = hn::IfThenElse(beside, l.g[a] * per_h, out[a]);
       }
     }

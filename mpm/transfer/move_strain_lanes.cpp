@@ -87,7 +87,7 @@ struct MovingStrain {
     } else {
       if constexpr (CellPolynomials::are_of<S>)
         if (CellPolynomials::hold(cells) && !(cells.any_mark() & strained_apart)) return by_polynomials(t, at, cells);
-      const TileLines<S, Tile> l(move.p, cells, t, at);
+      const TileLines<S, Tile> l(move.p, move.c, cells, t, at);
       const Sampled n = sampled(l, cells, move.c);
       Velocity mapped{zero(), zero()};
       if constexpr (changes) mapped = Move::interpolated(l, cells, &Node::vx, &Node::vy);

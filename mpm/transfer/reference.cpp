@@ -37,11 +37,19 @@ void for_point_nodes(const Particles& p, const GridState& g, Each&& each) {
     for (std::size_t s = 0; s < g.cells.size(); ++s)
       for_points<S>(p, g, {s, s + 1}, [&](std::size_t k, const std::size_t* at, const auto& x, const auto& y) {
         const Vec2 place = g.natural(p, k);
-        const bool beside_x = g.marks[s] & (wall_left | wall_right), beside_y = g.marks[s] & (wall_down | wall_up);
+        const MovedNodes by = g.moved_in(g.cells.index[s]) ? *g.moved_in(g.cells.index[s]) : MovedNodes{};
+        const bool beside_x = g.marks[s] & (wall_left | wall_right) || by.low[0] != 0 || by.high[0] != 0;
+        const bool beside_y = g.marks[s] & (wall_down | wall_up) || by.low[1] != 0 || by.high[1] != 0;
         double ax[W], ay[W];
         for (int a = 0; a < W; ++a) {
           ax[a] = a + S::first - place.x();
           ay[a] = a + S::first - place.y();
+        }
+        if constexpr (S::centred) {
+          ax[g.marks[s] & wall_left ? 1 : 0] += by.low[0];
+          ax[g.marks[s] & wall_right ? 1 : 2] -= by.high[0];
+          ay[g.marks[s] & wall_down ? 1 : 0] += by.low[1];
+          ay[g.marks[s] & wall_up ? 1 : 2] -= by.high[1];
         }
         std::array<AtNode, std::size_t(W * W)> nodes;
         for (int n = 0; n < W * W; ++n) {

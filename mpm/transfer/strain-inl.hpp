@@ -108,7 +108,7 @@ class CellPolynomials {
   HWY_INLINE CellPolynomials(const VelocityAt& u, const TileCells& cells)
       : CellPolynomials(row(u, 0), row(u, cells.nx), row(u, 2 * cells.nx)) {}
   static HWY_INLINE bool hold(const TileCells& cells) {
-    return !(cells.any_mark() & (wall_left | wall_right | wall_down | wall_up));
+    return !(cells.any_mark() & (wall_left | wall_right | wall_down | wall_up | wall_moved));
   }
 
   /// `of` takes one component of a coefficient to all lanes of its cell. Twice `by` is what the second power along x
@@ -258,7 +258,7 @@ struct Straining {
     if constexpr (CellPolynomials::are_of<S>)
       if (!Tile::marked || CellPolynomials::hold(cells))
         return of_own(t, gradient(CellPolynomials(u, cells), at, sx, sy));
-    return of_own(t, gradient(TileLines<S, Tile>(p, cells, t, at), c, cells, sx, sy));
+    return of_own(t, gradient(TileLines<S, Tile>(p, c, cells, t, at), c, cells, sx, sy));
   }
   // The volumetric strain that averages give a tile's points.
   template <bool marked>

@@ -347,12 +347,23 @@ def never(scene):
     return ""
 
 
+def off_lines(scene):
+    """The row at a wall with 9 points a cell, and bodies, between lines."""
+    return "walls between grid lines" if scene.traits & {"between lines", "inclined"} else ""
+
+
+def bad_wall(scene):
+    """Inclined, or of nodes that stay in the lattice wherever it lies."""
+    mpm = scene.case["mpm"]
+    return "inclined" in scene.traits or mpm.get("shape") == "bilinear" or mpm.get("scheme") == "geopart"
+
+
 def walls_between_lines(scene):
-    return "walls between grid lines" if scene.walls else ""
+    return "free faces between grid lines" if scene.walls else ""
 
 
 def between_lines(scene):
-    return "walls between grid lines" if scene.traits & {"between lines", "inclined"} else ""
+    return "walls between grid lines" if scene.traits & {"between lines", "inclined"} and bad_wall(scene) else ""
 
 
 def with_body_or_slope(scene):
@@ -377,9 +388,9 @@ RELATIONS = {
     "region in two": (region_in_two, no_start, under_load), "load in two": (load_in_two, loaded, never),
     "idle physics": (idle_physics, any_scene, never), "beyond reach": (beyond_reach, no_search, joined),
     "output times": (output_times, smooth, between_lines), "step": (step, smooth, between_lines), "rest": (rest, at_rest, between_lines),
-    "grid": (grid, smooth, walls_between_lines), "points": (points, smooth, between_lines), "cells": (cells, smooth, between_lines),
-    "border": (border, layered, lambda scene: "borders inside a cell"), "wall as body": (wall_as_body, frictional_base, between_lines),
-    "weight as load": (weight_as_load, pressed_box, between_lines),
+    "grid": (grid, smooth, walls_between_lines), "points": (points, smooth, off_lines), "cells": (cells, smooth, between_lines),
+    "border": (border, layered, lambda scene: "borders inside a cell"), "wall as body": (wall_as_body, frictional_base, off_lines),
+    "weight as load": (weight_as_load, pressed_box, off_lines),
     "stiffness": (stiffness, collapses, lambda scene: "run-out by step, cells and stiffness"),
 }
 

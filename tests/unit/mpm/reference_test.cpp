@@ -53,11 +53,26 @@ struct Disorder : Case {
     p.history.declare({opening_strain}, p.size());
     Array& opening = *p.history.find(opening_strain.name);
     for (std::size_t k = 0; k < p.size(); k += 5) opening[k] = 0.1;
+    if (g.width == 3) add_walls_between_lines();
   }
   double u() { return std::uniform_real_distribution<double>(-1, 1)(random); }
   void map() {
     average_mean_stress(state.particles, g, scheme, 1);
     map_momentum(state.particles, g, scheme, true, 1);
+  }
+  // At the base, the right and the top, each over part of its side.
+  void add_walls_between_lines() {
+    std::vector<std::uint8_t> walls = g.walls;
+    std::vector<Vec2> shifts(walls.size(), Vec2::Zero());
+    const int right = g.field_grid.nx - 2, top = g.field_grid.ny - 2;
+    const auto wall = [&](int i, int j, WallSide side, const Vec2& cells) {
+      walls[g.grid.node(i, j)] |= side;
+      shifts[g.grid.node(i, j)] += cells.cwiseProduct(g.grid.spacing);
+    };
+    for (int i = 1; i <= right; ++i) wall(i, 2, wall_down, {0, 0.37});
+    for (int i = right / 2; i <= right; ++i) wall(i, top, wall_up, {0, 0.26});
+    for (int j = 2; j <= top - 2; ++j) wall(right - 1, j, wall_right, {-0.45, 0});
+    g.set_walls(walls, walls, shifts);
   }
   // Updated velocities, up to `most` m/s.
   void move_nodes(double most) {

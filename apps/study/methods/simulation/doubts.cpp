@@ -113,11 +113,16 @@ void doubt_thin_drainage(const mpm::MpmOptions& options, const mpm::Scene& scene
   }
 }
 
-// Of walls along the grid that lie between lines of nodes: nodes within half a cell hold the material in their place.
-void doubt_walls(const mpm::Scene& scene, std::vector<std::string>& all) {
+// Of walls along the grid that lie between lines of nodes, and whose nodes are not moved onto them
+// (mpm/constraint/wall.hpp): nodes within half a cell hold the material in their place.
+void doubt_walls(const mpm::MpmOptions& options, const mpm::Scene& scene, std::vector<std::string>& all) {
   constexpr double off = 0.02;  // cells
+  const bool flows = scene.water && std::any_of(scene.materials.begin(), scene.materials.end(),
+                                                [](const mpm::MaterialOptions& m) { return m.porosity && !m.drained; });
+  const bool moves = mpm::row_of(mpm::scheme_of(options).shape).centred() && !scene.heat && !flows;
   for (const auto& [name, boundary] : scene.boundaries) {
     if (boundary.line_m.size() != 2 || boundary.type == mpm::BoundaryType::traction) continue;
+    if (moves && boundary.type != mpm::BoundaryType::tied && boundary.type != mpm::BoundaryType::absorbing) continue;
     const Vec2 a(boundary.line_m[0][0], boundary.line_m[0][1]), b(boundary.line_m[1][0], boundary.line_m[1][1]);
     for (const int axis : {0, 1}) {
       if (a[axis] != b[axis]) continue;
@@ -151,7 +156,7 @@ std::vector<std::string> doubts(const mpm::MpmOptions& options, const mpm::Scene
   if (share_in_thin_layers(options, scene) > 0.5)
     all.push_back("More than half of the material with friction lies in layers of one or two cells: sliding over a rough base they are wrong by a fifth and more, with three cells by a tenth (mpm.refine).");
   doubt_thin_drainage(options, scene, all);
-  doubt_walls(scene, all);
+  doubt_walls(options, scene, all);
   return all;
 }
 
