@@ -199,18 +199,19 @@ int FrameView::shape_at(const QPointF& widget) const {
 
 void FrameView::finish() {
   const std::vector<Vec2> points = std::move(points_);
+  const Tool tool = tool_;
   points_.clear();
   update();
-  if (const auto kind = kind_of(tool_)) {
+  if (tool_done) tool_done();  // first: what is said of the result stays
+  if (const auto kind = kind_of(tool)) {
     if (drawn) drawn(*kind, points);
-  } else if (tool_ == Tool::scale) {
+  } else if (tool == Tool::scale) {
     if (scaled) scaled(points[0], points[1]);
-  } else if (tool_ == Tool::horizontal) {
+  } else if (tool == Tool::horizontal) {
     if (turned) turned(points[0], points[1]);
-  } else if (tool_ == Tool::origin) {
+  } else if (tool == Tool::origin) {
     if (origin_set) origin_set(points[0]);
   }
-  if (tool_done) tool_done();
 }
 
 void FrameView::abandon() {

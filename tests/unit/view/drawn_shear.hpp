@@ -23,7 +23,10 @@ inline const std::filesystem::path& drawn_shear() {
         "gradient_per_frame = [0.0, 0.004, 0.0, 0.0]\n[synth.texture]\nseed = 7\n",
         "drawn", scratch.path);
     SilentProgress silent;
-    app::synthesize(c, {.out = scratch.path, .threads = 1}, silent);
+    app::RunSettings settings;
+    settings.out = scratch.path;
+    settings.threads = 1;
+    app::synthesize(c, settings, silent);
     return scratch.path / "frames";
   }();
   return folder;

@@ -8,18 +8,17 @@
 #include <cstdlib>
 #include <functional>
 
-#include <QComboBox>
+#include <QCheckBox>
+#include <QFileInfo>
 #include <QLabel>
 #include <QLineEdit>
 #include <QListWidget>
-#include <QCheckBox>
-#include <QDir>
 #include <QProcess>
 #include <QSpinBox>
 #include <QTest>
 
-#include "apps/plot/canvas.hpp"
 #include "apps/case/case.hpp"
+#include "apps/plot/canvas.hpp"
 #include "tests/unit/view/drawn_shear.hpp"
 
 namespace pivnp::view {
@@ -101,7 +100,7 @@ TEST_F(Window, FromFramesToACaseThatCheckAccepts) {
   EXPECT_EQ(session().seen().piv->window_px, 24);
   EXPECT_EQ(session().seen().grid.spacing_px, 8);
   // A point is dragged, and back again.
-  click(2, 90);  // selects by the outline's side
+  click(13.8, 90);  // selects by the outline's side
   ASSERT_EQ(view().selected(), 0);
   QTest::mousePress(&view(), Qt::LeftButton, {}, at(200, 24));
   QTest::mouseMove(&view(), at(180, 40));
@@ -127,10 +126,15 @@ TEST_F(Window, TheTextIsEditedEitherWay) {
   TomlEditor& editor = window->setup().editor();
   const std::string before = session().text();
   editor.moveCursor(QTextCursor::End);
-  QTest::keyClicks(&editor, "[region.clay]\npolygon_px = [[10, 10], [100, 12], [60, 90]]\n");
+  const auto type = [&](const char* line) {
+    QTest::keyClicks(&editor, line);
+    QTest::keyClick(&editor, Qt::Key_Return);
+  };
+  type("[region.clay]");
+  type("polygon_px = [[10, 10], [100, 12], [60, 90]]");
   ASSERT_EQ(session().shapes().size(), 1u);
   EXPECT_EQ(find<QListWidget>("shapes").count(), 1);
-  QTest::keyClicks(&editor, "polygon = 3\n");
+  type("polygon = 3");
   EXPECT_EQ(find<QListWidget>("faults").count(), 1);
   EXPECT_TRUE(find<QListWidget>("faults").isVisible());
   QTest::keyClick(&editor, Qt::Key_Z, Qt::ControlModifier);
