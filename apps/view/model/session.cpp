@@ -190,7 +190,7 @@ std::string Session::free_name(const std::string& section, const std::string& wa
 }
 
 std::string Session::add_shape(ShapeKind kind, const std::vector<Vec2>& points_px, const std::string& name) {
-  Shape shape{kind, {}, kind == ShapeKind::wall, kind != ShapeKind::wall || points_px.size() > 2, points_px};
+  Shape shape{kind, {}, kind == ShapeKind::wall, kind != ShapeKind::wall || points_px.size() > 2, points_px, false};
   if (kind == ShapeKind::still_zone) {
     shape.key = {"np", "still_zone_px"};
     require_outline(shape);
@@ -208,6 +208,7 @@ std::string Session::add_shape(ShapeKind kind, const std::vector<Vec2>& points_p
 
 void Session::set_points(std::size_t index, const std::vector<Vec2>& points_px) {
   Shape shape = shapes_.at(index);
+  if (shape.circle) throw InputError("mask." + shape.name() + ".circle_px: is a circle, expected its numbers to be edited in the text");
   shape.points = points_px;
   require_outline(shape);
   change(app::with_key(text_, label(), shape.key, toml_of(shape, camera_)));
@@ -322,9 +323,7 @@ void Session::save(const fs::path& file) {
   plot::write_file(file, text);
   file_ = file;
   folder_ = folder;
-  const bool typing = typing_;
   change(text);
-  typing_ = typing;
   saved_ = text_;
   read_text();
   frames_opened_ = frames_key(seen_);

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <numbers>
 
 #include "apps/case/values.hpp"
 #include "pivnp/core/error.hpp"
@@ -22,7 +23,7 @@ std::vector<Shape> shapes_of(const app::Case& c, const image::Camera& camera) {
   std::vector<Shape> out;
   const auto add = [&](ShapeKind kind, app::KeyPath key, const Points& points, bool world, bool closed = true) {
     if (points.empty()) return;
-    Shape shape{kind, std::move(key), world, closed, {}};
+    Shape shape{kind, std::move(key), world, closed, {}, false};
     for (const Vec2& p : positions_of(points)) shape.points.push_back(world ? camera.to_pixel(p) : p);
     for (const Vec2& p : shape.points)
       if (!p.allFinite()) return;
@@ -35,6 +36,14 @@ std::vector<Shape> shapes_of(const app::Case& c, const image::Camera& camera) {
   for (const auto& [name, mask] : c.masks) {
     add(ShapeKind::mask, {"mask", name, "polygon_px"}, mask.polygon_px, false);
     add(ShapeKind::mask, {"mask", name, "polygon_m"}, mask.polygon_m, true);
+    if (mask.circle_px.size() != 3) continue;
+    Points round;
+    for (int k = 0; k < 64; ++k) {
+      const double angle = 2 * std::numbers::pi * k / 64;
+      round.push_back({mask.circle_px[0] + mask.circle_px[2] * std::cos(angle), mask.circle_px[1] + mask.circle_px[2] * std::sin(angle)});
+    }
+    add(ShapeKind::mask, {"mask", name, "circle_px"}, round, false);
+    out.back().circle = true;
   }
   for (const auto& [name, boundary] : c.boundaries) {
     add(ShapeKind::wall, {"boundary", name, "line_m"}, boundary.line_m, true, false);

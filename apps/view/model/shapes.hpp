@@ -25,12 +25,13 @@ struct Shape {
   bool world = false;        // the key holds world coordinates
   bool closed = true;
   std::vector<Vec2> points;  // px (column, row)
+  bool circle = false;       // points around a circle of the text, where its numbers are edited
 
   /// "sand"; of a still zone "still zone".
   std::string name() const { return key.size() == 3 ? key[1] : "still zone"; }
 };
 
-/// Every outline of the case that consists of points: regions, masks, boundaries, the still zone. `camera` is that of the case as
+/// Every outline of the case: regions, masks, boundaries, the still zone. `camera` is that of the case as
 /// its text has it.
 std::vector<Shape> shapes_of(const app::Case& c, const image::Camera& camera);
 

@@ -41,6 +41,13 @@ std::optional<ShapeKind> kind_of(Tool tool) {
   }
 }
 
+QColor status_colour(VectorStatus status) {
+  return status == VectorStatus::valid      ? QColor(0x5c, 0xe0, 0xff)
+         : status == VectorStatus::replaced ? QColor(0xff, 0xa0, 0x30)
+         : status == VectorStatus::rejected ? QColor(0xff, 0x40, 0x60)
+                                            : QColor(0xa8, 0xa8, 0xa8);
+}
+
 QPointF point_of(const Vec2& p) { return {p.x(), p.y()}; }
 
 void outlined_text(QPainter& painter, const QPointF& at, const QString& words, const QColor& colour) {
@@ -162,7 +169,7 @@ Vec2 FrameView::snapped(const QPointF& widget) const {
 }
 
 int FrameView::point_near(const QPointF& widget) const {
-  if (selected_ < 0) return -1;
+  if (selected_ < 0 || shapes_[std::size_t(selected_)].circle) return -1;
   int best = -1;
   double nearest = reach;
   const std::vector<Vec2>& points = shapes_[std::size_t(selected_)].points;
@@ -256,7 +263,7 @@ void FrameView::mousePressEvent(QMouseEvent* event) {
     return;
   }
   const int shape = shape_at(at);
-  if (shape >= 0 && shape == selected_) {
+  if (shape >= 0 && shape == selected_ && !shapes_[std::size_t(shape)].circle) {
     dragged_shape_ = true;
     before_drag_ = shapes_[std::size_t(selected_)].points;
     return;
@@ -306,7 +313,7 @@ void FrameView::mouseDoubleClickEvent(QMouseEvent* event) {
     return;
   }
   // On an edge: a point more.
-  const int shape = shape_at(at), edge = shape >= 0 && shapes_[std::size_t(shape)].closed ? edge_near(shape, at) : -1;
+  const int shape = shape_at(at), edge = shape >= 0 && shapes_[std::size_t(shape)].closed && !shapes_[std::size_t(shape)].circle ? edge_near(shape, at) : -1;
   if (edge < 0 || point_near(at) >= 0) return;
   select(shape);
   std::vector<Vec2> points = shapes_[std::size_t(shape)].points;
@@ -344,20 +351,13 @@ void FrameView::paint_shape(QPainter& painter, const Shape& shape, bool chosen) 
   for (const Vec2& p : shape.points) outline << to_widget(point_of(p));
   if (outline.isEmpty()) return;
   const QColor colour = kind_colour(shape.kind);
-  if (shape.closed) {
-    QColor wash = colour;
-    wash.setAlpha(shape.kind == ShapeKind::mask ? 70 : chosen ? 45 : 18);
-    painter.setPen(Qt::NoPen);
-    painter.setBrush(QBrush(wash, Qt::SolidPattern));
-    painter.drawPolygon(outline);
-  }
   painter.setBrush(Qt::NoBrush);
   haloed(painter, colour, chosen ? 2.4 : 1.6, [&] { shape.closed ? painter.drawPolygon(outline) : painter.drawPolyline(outline); },
          shape.kind == ShapeKind::still_zone ? Qt::DashLine : Qt::SolidLine);
   if (chosen) {
     painter.setPen(QPen(QColor(0, 0, 0, 200), 1));
     painter.setBrush(colour.lighter(140));
-    for (const QPointF& p : outline) painter.drawRect(QRectF(p - QPointF(4, 4), QSizeF(8, 8)));
+    for (const QPointF& p : shape.circle ? QPolygonF() : outline) painter.drawRect(QRectF(p - QPointF(4, 4), QSizeF(8, 8)));
     painter.setBrush(Qt::NoBrush);
   }
   // The name inside, at the top left corner of what is seen of it.
@@ -365,6 +365,21 @@ void FrameView::paint_shape(QPainter& painter, const Shape& shape, bool chosen) 
   if (!box.isEmpty() || !shape.closed)
     outlined_text(painter, shape.closed ? QPointF(box.left() + 6, box.top() + 16) : (outline.front() + outline.back()) / 2 + QPointF(6, -6),
                   plot::qt(shape.name()), colour.lighter(125));
+}
+
+// Below the vectors: what is masked is seen to be, and what is chosen.
+void FrameView::paint_washes(QPainter& painter) const {
+  painter.setPen(Qt::NoPen);
+  for (std::size_t k = 0; k < shapes_.size(); ++k) {
+    if (!shapes_[k].closed) continue;
+    QPolygonF outline;
+    for (const Vec2& p : shapes_[k].points) outline << to_widget(point_of(p));
+    QColor wash = kind_colour(shapes_[k].kind);
+    wash.setAlpha(shapes_[k].kind == ShapeKind::mask ? 80 : int(k) == selected_ ? 22 : 0);
+    painter.setBrush(wash);
+    painter.drawPolygon(outline);
+  }
+  painter.setBrush(Qt::NoBrush);
 }
 
 void FrameView::paint_axes(QPainter& painter) const {
@@ -431,9 +446,7 @@ void FrameView::paint_pair(QPainter& painter) const {
       const Vec2 x = field.grid.position(i, j);
       const QPointF at = to_widget(point_of(pair_->camera.to_pixel(x)));
       if (!rect().adjusted(-60, -60, 60, 60).contains(at.toPoint())) continue;
-      QColor colour = status == VectorStatus::valid      ? QColor(0x5c, 0xe0, 0xff)
-                      : status == VectorStatus::replaced ? QColor(0xff, 0xa0, 0x30)
-                                                         : QColor(0xff, 0x40, 0x60);
+      QColor colour = status_colour(status);
       if (colour_ != VectorColour::status) {
         const double t = colour_ == VectorColour::score ? double(n < field.score.size() ? field.score[n] : 0.0f)
                                                         : std::sqrt((double(field.cov[n][0]) + double(field.cov[n][1])) / 2) / most_error;
@@ -466,9 +479,9 @@ void FrameView::paint_pair(QPainter& painter) const {
   painter.setFont(small);
   QPointF at(14, height() - 16.0);
   if (colour_ == VectorColour::status) {
-    for (const auto& [name, colour] : {std::pair{"valid", QColor(0x5c, 0xe0, 0xff)}, std::pair{"replaced", QColor(0xff, 0xa0, 0x30)},
-                                       std::pair{"rejected or failed", QColor(0xff, 0x40, 0x60)}}) {
-      painter.fillRect(QRectF(at - QPointF(0, 9), QSizeF(10, 10)), colour);
+    for (const auto& [name, status] : {std::pair{"valid", VectorStatus::valid}, std::pair{"replaced", VectorStatus::replaced},
+                                       std::pair{"rejected", VectorStatus::rejected}, std::pair{"no texture", VectorStatus::failed}}) {
+      painter.fillRect(QRectF(at - QPointF(0, 9), QSizeF(10, 10)), status_colour(status));
       outlined_text(painter, at + QPointF(15, 0), name, Qt::white);
       at += QPointF(28 + painter.fontMetrics().horizontalAdvance(name), 0);
     }
@@ -486,11 +499,15 @@ void FrameView::paint_pair(QPainter& painter) const {
 }
 
 void FrameView::paint(QPainter& painter) {
-  if (image_.isNull()) return;
+  if (image_.isNull()) {
+    painter.setPen(palette().color(QPalette::WindowText));
+    return painter.drawText(rect(), Qt::AlignCenter | Qt::TextWordWrap, empty_words_);
+  }
   painter.setRenderHint(QPainter::SmoothPixmapTransform, scale() < 2);  // pixels are seen as squares from then on
   const QRectF place(to_widget({-0.5, -0.5}), to_widget({image_.width() - 0.5, image_.height() - 0.5}));
   painter.drawImage(place, image_);
   painter.setRenderHint(QPainter::Antialiasing);
+  paint_washes(painter);
   if (pair_) paint_pair(painter);
   for (std::size_t k = 0; k < shapes_.size(); ++k)
     if (int(k) != selected_) paint_shape(painter, shapes_[k], false);

@@ -21,6 +21,7 @@ class FrameView : public ZoomView {
   explicit FrameView(QWidget* parent = nullptr);
 
   void set_image(const QImage& image);  // the first one of a sequence is shown whole
+  void set_empty_words(const QString& words) { empty_words_ = words; }  // shown without an image
   void set_shapes(const std::vector<Shape>& shapes);
   void set_camera(const image::Camera& camera, bool scaled);
   void set_pair(std::optional<LivePair> pair);
@@ -59,11 +60,13 @@ class FrameView : public ZoomView {
   void remove_point(int point);
   void hint() const;
   void paint_pair(QPainter& painter) const;
+  void paint_washes(QPainter& painter) const;
   void paint_axes(QPainter& painter) const;
   void paint_scale_bar(QPainter& painter) const;
   void paint_shape(QPainter& painter, const Shape& shape, bool chosen) const;
 
   QImage image_;
+  QString empty_words_;
   std::vector<Shape> shapes_;
   image::Camera camera_;
   bool scaled_camera_ = false;

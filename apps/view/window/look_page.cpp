@@ -192,8 +192,11 @@ LookPage::LookPage(QWidget* parent) : QWidget(parent), worker_shown_(std::make_s
   left_ = new RecordPane;
   right_ = new RecordPane;
   bar_ = new ColourBar;
-  both->addWidget(left_, 1);
-  both->addWidget(right_, 1);
+  pair_ = new QBoxLayout(QBoxLayout::TopToBottom);
+  pair_->setSpacing(2);
+  pair_->addWidget(left_, 1);
+  pair_->addWidget(right_, 1);
+  both->addLayout(pair_, 1);
   both->addWidget(bar_);
   right_->hide();
   column->addWidget(panes_, 1);
@@ -209,7 +212,7 @@ LookPage::LookPage(QWidget* parent) : QWidget(parent), worker_shown_(std::make_s
   for (const int k : {0, 1}) {
     RecordPane &own = pane(k), &other = pane(1 - k);
     own.view_changed = [this, &own, &other] {
-      other.set_view(own.scale(), own.shift());  // linked
+      other.follow(own);
       request();
     };
     own.hovered = [this, k](const QPointF& at) { tell_cursor(k, at); };
@@ -270,6 +273,7 @@ void LookPage::build_right(QWidget* side) {
   plot_->setMinimumHeight(230);
   plot_->setInteractions(QCP::iRangeDrag | QCP::iRangeZoom);
   column->addWidget(plot_, 1);
+  column->addStretch();
   const auto again = [this] { request(); };
   for (QComboBox* box : {left_motion_, right_motion_, field_})
     connect(box, &QComboBox::activated, this, [this] {
@@ -313,15 +317,16 @@ void LookPage::open(const std::filesystem::path& record) {
     } catch (const std::exception& error) {
       fault = plot::qt(error.what());
     }
-    Worker::tell(this, [this, look, fault, number, record] {
-      if (number != number_) return;
+    Worker::tell(this, [this, look, fault, number, record]() mutable {
+      if (number != number_) return retire(std::move(look));
       if (!look) {
         time_->set_words({});
         say(fault);
         if (opened) opened();
         return;
       }
-      look_ = look;
+      retire(std::move(look_));
+      look_ = std::move(look);
       file_ = record;
       history_.reset();
       left_->mark.reset();
@@ -345,6 +350,11 @@ void LookPage::open(const std::filesystem::path& record) {
   });
 }
 
+void LookPage::retire(std::shared_ptr<RecordLook> look) {
+  constexpr int after_all = 100;
+  if (look) reading_.post(after_all + ++retired_, [look = std::move(look)](const Worker::Stop&) {});
+}
+
 void LookPage::fill_choices() {
   const std::vector<std::string>& names = look_->motions();
   const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
@@ -359,6 +369,7 @@ void LookPage::fill_choices() {
   if (names.size() > 1) right_motion_->addItem(difference);
   if (has("np")) left_motion_->setCurrentText("np");
   if (has("np") && has("mpm")) right_motion_->setCurrentText("mpm");
+  pair_->setDirection(look_->box().width() > look_->box().height() ? QBoxLayout::TopToBottom : QBoxLayout::LeftToRight);
   right_->setVisible(right_motion_->currentText() != nothing);
   for (const ShownField& f : look_->fields()) field_->addItem(plot::qt(f.label));
   for (std::size_t k = 0; k < look_->fields().size(); ++k)
@@ -493,6 +504,7 @@ void LookPage::ask_history(int side, const Vec2& place) {
 }
 
 void LookPage::show_history() {
+  plot_->setVisible(history_.has_value());
   plot_->clearPlottables();
   plot_->clearItems();
   const QPalette colours = palette();
@@ -583,6 +595,11 @@ void LookPage::tell_cursor(int side, const QPointF& scene) {
     words += "     " + plot::qt(field()->label + " " + plot::value_with_uncertainty(value * own.factor, sigma * own.factor) + plot::unit_suffix(own.name));
   }
   cursor_words(words);
+}
+
+void LookPage::changeEvent(QEvent* event) {
+  QWidget::changeEvent(event);
+  if (event->type() == QEvent::PaletteChange) show_history();
 }
 
 void LookPage::fit() {

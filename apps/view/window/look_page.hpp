@@ -15,6 +15,7 @@
 #include "apps/view/window/worker.hpp"
 #include "apps/view/window/zoom_view.hpp"
 
+class QBoxLayout;
 class QCheckBox;
 class QComboBox;
 class QCustomPlot;
@@ -80,6 +81,9 @@ class LookPage : public QWidget {
   std::function<void(QString)> cursor_words;
   std::function<void()> opened;
 
+ protected:
+  void changeEvent(QEvent*) override;
+
  private:
   // What the thread that reads holds of the pictures shown last.
   struct Shown {
@@ -90,6 +94,7 @@ class LookPage : public QWidget {
     std::optional<VectorField> vectors;
   };
   void build_right(QWidget* right);
+  void retire(std::shared_ptr<RecordLook> look);  // records are closed by the thread that reads them
   void fill_choices();
   void request();
   void ask_history(int side, const Vec2& place);
@@ -101,6 +106,7 @@ class LookPage : public QWidget {
   std::filesystem::path file_;
   std::shared_ptr<RecordLook> look_;  // read by the worker alone; what is fixed from the start by all
   QWidget* panes_;
+  QBoxLayout* pair_;
   RecordPane *left_, *right_;
   ColourBar* bar_;
   TimeBar* time_;
@@ -114,7 +120,7 @@ class LookPage : public QWidget {
   std::shared_ptr<Shown> worker_shown_;  // of the worker
   ParticlePicture at_left_, at_right_;
   QString said_;
-  int number_ = 0;
+  int number_ = 0, retired_ = 0;
   Worker reading_;
 };
 

@@ -361,6 +361,7 @@ void SetupPage::refresh() {
     item->setData(Qt::UserRole, fault.line);
   }
   faults_->setVisible(!session_.faults().empty() && !session_.empty());
+  view_->set_empty_words(session_.empty() ? "Drop a video, a folder of frames, a case or a record here, or use File > Open" : "No frames are open");
   view_->set_camera(session_.camera(), session_.camera().length_unit() != "px");
   view_->set_shapes(session_.shapes());
   refresh_controls();
@@ -408,7 +409,7 @@ void SetupPage::refresh_shapes() {
   for (const Shape& shape : session_.shapes()) {
     const QIcon icon = dot(tool_rows()[std::size_t(shape.kind) + 1].colour);
     const QString name = shape.kind == ShapeKind::still_zone ? QString("Still zone") : plot::qt(std::string(name_of(shape.kind)) + " " + shape.name());
-    shapes_->addItem(new QListWidgetItem(icon, name + QString("   %1 points%2").arg(shape.points.size()).arg(shape.world ? ", in the world" : "")));
+    shapes_->addItem(new QListWidgetItem(icon, name + (shape.circle ? QString("   circle") : QString("   %1 points%2").arg(shape.points.size()).arg(shape.world ? ", in the world" : ""))));
   }
   shapes_->setCurrentRow(view_->selected());
   refreshing_ = false;

@@ -5,7 +5,6 @@
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QSlider>
-#include <QStyle>
 #include <QToolButton>
 
 namespace pivnp::view {
@@ -14,7 +13,8 @@ TimeBar::TimeBar(QWidget* parent) : QWidget(parent), slider_(new QSlider(Qt::Hor
   auto* row = new QHBoxLayout(this);
   row->setContentsMargins(6, 2, 6, 2);
   play_->setAutoRaise(true);
-  play_->setIcon(style()->standardIcon(QStyle::SP_MediaPlay));
+  play_->setText("▶");
+  play_->setFixedWidth(30);
   play_->setToolTip("Play (Space)");
   play_->setFocusPolicy(Qt::NoFocus);
   words_->setMinimumWidth(210);
@@ -58,7 +58,7 @@ void TimeBar::toggle_play() {
     waiting_ = false;
     timer_.start();
   }
-  play_->setIcon(style()->standardIcon(timer_.isActive() ? QStyle::SP_MediaPause : QStyle::SP_MediaPlay));
+  play_->setText(timer_.isActive() ? "❚❚" : "▶");
 }
 
 void TimeBar::play_on() {

@@ -46,7 +46,7 @@ TomlEditor::TomlEditor(QWidget* parent) : QPlainTextEdit(parent) {
   setUndoRedoEnabled(false);
   setTabChangesFocus(true);
   setPlaceholderText("The case as TOML");
-  new TomlColours(this);
+  colours_ = new TomlColours(this);
   connect(this, &QPlainTextEdit::textChanged, this, [this] {
     if (!showing_ && typed) typed(toPlainText().toStdString());
   });
@@ -90,6 +90,14 @@ void TomlEditor::go_to(int line) {
   setTextCursor(QTextCursor(document()->findBlockByNumber(line - 1)));
   centerCursor();
   setFocus();
+}
+
+void TomlEditor::changeEvent(QEvent* event) {
+  QPlainTextEdit::changeEvent(event);
+  if (event->type() != QEvent::PaletteChange) return;
+  showing_ = true;
+  colours_->rehighlight();
+  showing_ = false;
 }
 
 bool TomlEditor::event(QEvent* event) {

@@ -9,6 +9,8 @@
 
 #include "apps/view/model/session.hpp"
 
+class QSyntaxHighlighter;
+
 namespace pivnp::view {
 
 class TomlEditor : public QPlainTextEdit {
@@ -24,8 +26,10 @@ class TomlEditor : public QPlainTextEdit {
 
  protected:
   bool event(QEvent* event) override;  // undo and redo are the window's
+  void changeEvent(QEvent* event) override;
 
  private:
+  QSyntaxHighlighter* colours_;
   bool showing_ = false;
 };
 

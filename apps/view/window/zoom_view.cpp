@@ -41,10 +41,10 @@ void ZoomView::zoom(double factor, const QPointF& about) {
   changed();
 }
 
-void ZoomView::set_view(double scale, const QPointF& shift) {
-  scale_ = scale;
-  shift_ = shift;
-  fitted_ = false;
+void ZoomView::follow(const ZoomView& other) {
+  scale_ = other.scale_;
+  shift_ = other.shift_;
+  fitted_ = other.fitted_;
   update();
 }
 

@@ -25,8 +25,7 @@ class ZoomView : public QWidget {
   const QRectF& extent() const { return extent_; }
   void fit();
   void zoom(double factor, const QPointF& about);
-  void set_view(double scale, const QPointF& shift);  // without telling
-  const QPointF& shift() const { return shift_; }
+  void follow(const ZoomView& other);  // sees the same, without telling
 
   /// What is seen, painted in screen units.
   virtual void paint(QPainter& painter) = 0;

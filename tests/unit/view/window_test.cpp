@@ -207,10 +207,11 @@ TEST_F(Window, Pictures) {
     settle();
     if (window->setup().isVisible()) {
       find<QCheckBox>("live").setChecked(true);
+      window->setup().time().go(window->setup().time().count() / 3);
       if (!session().shapes().empty()) view().select(0);
     } else {
       RecordPane& pane = window->look().pane(0);
-      QTest::mouseClick(&pane, Qt::LeftButton, {}, pane.rect().center());
+      QTest::mouseClick(&pane, Qt::LeftButton, {}, QPoint(int(0.41 * pane.width()), int(0.7 * pane.height())));
     }
     for (const bool dark : {false, true}) {
       window->set_dark(dark);
