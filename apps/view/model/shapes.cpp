@@ -37,13 +37,14 @@ std::vector<Shape> shapes_of(const app::Case& c, const image::Camera& camera) {
     add(ShapeKind::mask, {"mask", name, "polygon_px"}, mask.polygon_px, false);
     add(ShapeKind::mask, {"mask", name, "polygon_m"}, mask.polygon_m, true);
     if (mask.circle_px.size() != 3) continue;
+    const std::size_t before = out.size();
     Points round;
     for (int k = 0; k < 64; ++k) {
       const double angle = 2 * std::numbers::pi * k / 64;
       round.push_back({mask.circle_px[0] + mask.circle_px[2] * std::cos(angle), mask.circle_px[1] + mask.circle_px[2] * std::sin(angle)});
     }
     add(ShapeKind::mask, {"mask", name, "circle_px"}, round, false);
-    out.back().circle = true;
+    if (out.size() > before) out.back().circle = true;
   }
   for (const auto& [name, boundary] : c.boundaries) {
     add(ShapeKind::wall, {"boundary", name, "line_m"}, boundary.line_m, true, false);

@@ -127,6 +127,16 @@ TEST(ViewSession, TheTextKeepsItsUnitOfLength) {
   EXPECT_THAT(session.text(), testing::HasSubstr("polygon_m = [[2.0, 2.0], [12.0, 2.0], [12.0, 12.0]]"));
 }
 
+TEST(ViewSession, ACircleIsShownAndEditedInTheText) {
+  Session session = opened_frames();
+  session.set_text(session.text() + "[mask.tool]\ncircle_px = [60.0, 50.0, 20.0]\n");
+  ASSERT_EQ(session.shapes().size(), 1u);
+  for (const Vec2& p : session.shapes()[0].points) EXPECT_NEAR((p - Vec2(60, 50)).norm(), 20, 1e-9);
+  EXPECT_EQ(refusal([&] { session.set_points(0, box); }), "mask.tool.circle_px: is a circle, expected its numbers to be edited in the text");
+  session.remove_shape(0);
+  EXPECT_TRUE(session.shapes().empty());
+}
+
 TEST(ViewSession, WhatIsSavedIsReadAgain) {
   Session session = opened_frames();
   session.add_shape(ShapeKind::region, box);
