@@ -49,7 +49,10 @@ int TimeBar::at() const { return slider_->value(); }
 
 void TimeBar::go(int index) { slider_->setValue(std::clamp(index, 0, std::max(0, count_ - 1))); }
 
-void TimeBar::set_words(const QString& words) { words_->setText(words); }
+void TimeBar::set_words(const QString& words) {
+  words_->setText(words_->fontMetrics().elidedText(words, Qt::ElideMiddle, 300));
+  words_->setToolTip(words);
+}
 
 void TimeBar::toggle_play() {
   if (timer_.isActive()) {
