@@ -25,6 +25,12 @@ if(PIVNP_SCRIPT_PYTHON AND NOT PIVNP_SANITIZE)
   install(DIRECTORY ${share}/man ${share}/bash-completion ${share}/zsh DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT program)
 endif()
 
+# The window, a package of its own.
+if(TARGET pivnp-view)
+  install(TARGETS pivnp-view RUNTIME COMPONENT view)
+  install(FILES packaging/pivnp-view.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT view)
+endif()
+
 # The engines.
 foreach(engine IN LISTS engines)
   set_target_properties(pivnp_${engine} PROPERTIES EXPORT_NAME ${engine})  # pivnp::core

@@ -1,4 +1,4 @@
-# Debian packages, by `cpack` in the build folder: pivnp (program), pivnp-dev (engines) and python3-pivnp.
+# Debian packages, by `cpack` in the build folder: pivnp (program), pivnp-view (window), pivnp-dev (engines) and python3-pivnp.
 set(PIVNP_MAINTAINER "The pivnp developers <pivnp@users.noreply.github.com>" CACHE STRING "Name and address in Debian packages")
 
 set(CPACK_GENERATOR DEB)
@@ -11,6 +11,9 @@ set(CPACK_THREADS 0)
 set(CPACK_COMPONENTS_ALL program dev)
 if(TARGET pivnp_core_module)
   list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+if(TARGET pivnp-view)
+  list(APPEND CPACK_COMPONENTS_ALL view)
 endif()
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -29,6 +32,14 @@ frames of an experiment, by particle image velocimetry and numerical
 particles (PIV-NP). It simulates the same experiment by the material point
 method on the same nodes, and reports the difference of both beside the
 uncertainty of each.")
+
+set(CPACK_DEBIAN_VIEW_PACKAGE_NAME pivnp-view)
+set(CPACK_DEBIAN_VIEW_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_VIEW_PACKAGE_DEPENDS "pivnp (= ${PROJECT_VERSION})")
+set(CPACK_COMPONENT_VIEW_DESCRIPTION "window of pivnp
+A desktop program that sets a case of pivnp up on the frames of an
+experiment, with the vectors of any pair as settings change, runs it, and
+shows the particles of its record, measured and simulated side by side.")
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME pivnp-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
@@ -56,7 +67,7 @@ with the bits of the program.")
 # What every package holds of itself.
 string(TIMESTAMP PIVNP_PACKAGE_DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)
 find_program(PIVNP_GZIP gzip)
-foreach(package pivnp:program pivnp-dev:dev python3-pivnp:python)
+foreach(package pivnp:program pivnp-view:view pivnp-dev:dev python3-pivnp:python)
   string(REPLACE ":" ";" package ${package})
   list(GET package 0 PIVNP_PACKAGE)
   list(GET package 1 component)

@@ -15,6 +15,10 @@ const std::vector<Command>& commands() {
        declare_init},
       {"check", "validate a case and draw its first frame with grid, masks, regions and scale bar",
        "pivnp check lab/case.toml", declare_check},
+      {"view", "open the window: set a case up on its frames, run it, look at its record",
+       "pivnp view lab/video.mp4\n"
+       "pivnp view out/lab/record.h5",
+       declare_view},
       {"calibrate", "find a lens's distortion from pictures of a checkerboard, with a picture of the residuals",
        "pivnp calibrate \"board/*.png\" --corners 9x6 --square-m 0.01 --out lab/camera\n"
        "pivnp calibrate board/ --corners 11x8 --lens fisheye",

@@ -41,6 +41,9 @@ Action declare_stress(CLI::App& app, Session& session);
 Action declare_sweep(CLI::App& app, Session& session);
 Action declare_element(CLI::App& app, Session& session);
 
+// The window, which is a program of its own (view_command.cpp).
+Action declare_view(CLI::App& app, Session& session);
+
 // On pictures of a calibration board (camera_commands.cpp).
 Action declare_calibrate(CLI::App& app, Session& session);
 

@@ -39,6 +39,7 @@ const std::map<std::string, Folders> allowed = {
     {"apps/study", with(engines, {"apps/case", "apps/plot", "apps/report"})},
     {"python/src", with(engines, {"apps/case", "apps/study"})},  // without charts and reports: see `below`
     {"apps/cli", with(engines, {"apps/case", "apps/study", "apps/report"})},
+    {"apps/view", with(engines, {"apps/case", "apps/plot", "apps/study", "apps/report"})},
 };
 
 // Floors from the lowest to the highest. What lies in the folder itself stands on all of them.
@@ -52,6 +53,7 @@ const std::map<std::string, std::vector<std::string>> floors = {
     {"apps/study/pipeline", {"scene", "measure", "record"}},
     {"apps/study/methods", {"frames", "simulation", "paths"}},
     {"apps/study", {"pipeline", "synth", "methods", "frontier", "element", "stress", "sweep", "studies"}},
+    {"apps/view", {"model", "window"}},
 };
 
 // Of another folder, one floor only.
@@ -70,8 +72,8 @@ const std::map<std::string, Folders> vendors = {
     {"CGAL/", {"pivnp/core", "pivnp/np", "compare"}},
     {"hdf5", {"pivnp/io"}},
     {"H5", {"pivnp/io"}},
-    {"Q", {"apps/plot", "apps/report"}},
-    {"qcustomplot", {"apps/plot"}},
+    {"Q", {"apps/plot", "apps/report", "apps/view"}},
+    {"qcustomplot", {"apps/plot", "apps/view"}},
     {"CLI/", {"apps/cli"}},
     {"toml++", {"apps/case"}},
     {"fftw3", {"pivnp/piv"}},
@@ -181,6 +183,17 @@ TEST(Architecture, VendorsStayInTheirFolders) {
         EXPECT_TRUE(folders.contains(i.folder)) << i.file << " includes <" << i.target << ">";
       }
   }
+}
+
+// A session in the window can be driven without a screen: what it holds knows no Qt.
+TEST(Architecture, TheWindowsModelKnowsNoQt) {
+  int seen = 0;
+  for (const Include& i : includes()) {
+    if (!i.file.starts_with("apps/view/model/")) continue;
+    ++seen;
+    EXPECT_FALSE(!i.quoted && (i.target.starts_with("Q") || i.target.starts_with("qcustomplot"))) << i.file << " includes <" << i.target << ">";
+  }
+  EXPECT_GT(seen, 20);
 }
 
 // A pipe or a device that is opened to read holds the program up for ever: pivnp/core/regular_file.hpp.

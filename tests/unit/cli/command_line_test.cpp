@@ -266,5 +266,12 @@ TEST_F(CommandLine, ACaseThatLacksWhatTheCommandNeeds) {
   EXPECT_EQ(run_program({"track", x}).code, 0) << "no comparison is asked for";
 }
 
+// The window is a program of its own, which does not lie beside the tests.
+TEST_F(CommandLine, AWindowThatIsNotInstalledIsSaidSo) {
+  const Ran result = run_program({"view", "lab"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("pivnp-view: the window is not installed; expected the package pivnp-view\n"), std::string::npos) << result.err;
+}
+
 }  // namespace
 }  // namespace pivnp::app
