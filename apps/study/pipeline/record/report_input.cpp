@@ -95,6 +95,9 @@ std::vector<std::pair<std::string, std::string>> setup_of(const Case& c, const i
   else if (!twos && record.head().time_unit == "s" && frames.size() > 1)
     text += ", " + number(double(frames.size() - 1) / (frames.back().time - frames.front().time), 4) + " a second";
   rows.emplace_back("Frames", text);
+  if (const std::size_t targets = c.camera.points_px.size(); targets > 0)
+    rows.emplace_back("Targets of the camera", std::to_string(targets) + (targets == 4 ? ", no degree of freedom: their residual is not known"
+                                                                                       : ", " + std::to_string(2 * targets - 8) + " degrees of freedom"));
   if (c.vectors) {
     rows.emplace_back("Correlation", "another program's vectors (" + c.vectors->format + ")");
   } else {
