@@ -308,7 +308,9 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
   return all;
 }
 
-// Where nothing is compared: the last time at which half of the particles that are followed longest are still there.
+constexpr std::string_view motion_figure = "motion";  // page one where nothing is compared
+
+// The last time at which half of the particles that are followed longest are still there.
 double last_shown(const Content& content) {
   const MotionSource& motion = content.measured ? *content.measured : *content.simulated;
   const std::vector<double>& times = motion.times();
@@ -326,7 +328,7 @@ Figure draw_motion(const FigureInput& input) {
   FigureInput one = input;
   one.times = {last_shown(input.content)};
   Figure figure = draw_field(one, "displacement_magnitude");
-  figure.name.clear();
+  figure.name = motion_figure;
   figure.shows = "displacement on the particles";
   figure.caption = "Displacement at " + plain(one.times[0]) + unit_suffix(input.content.time_unit) + " on the particles where they are then" +
                    (input.content.measured && input.content.simulated ? ", " + input.names.first + " and " + input.names.second : std::string()) +
@@ -336,7 +338,7 @@ Figure draw_motion(const FigureInput& input) {
 
 }  // namespace
 
-// The picture that carries the verdict: displacement of both and their difference, where that is greatest.
+// The picture that carries the verdict: displacement of both and their difference, where that is greatest; else the motion.
 FigureRow summary_row() {
   return {.name = "verdict",
           .shows = "displacement of both data sets and their difference, at the time of the greatest difference",
@@ -358,7 +360,8 @@ FigureRow summary_row() {
                              ", when the difference is largest: " + i.names.first + ", " + i.names.second + " and " +
                              i.names.difference() + " (blue: less, red: more). " + i.content.alignment;
             return {figure};
-          }};
+          },
+          .owns = [](std::string_view figure) { return figure == "verdict" || figure == motion_figure; }};
 }
 
 FigureRow fields_row() {

@@ -14,17 +14,25 @@ using namespace plot;
 
 namespace {
 
-// Share of the particles that are there at the last time.
+// Share of the particles that are there at the last time, of those that have not left the view and were not taken away.
 double followed_to_the_end(const MotionSource& motion) {
-  if (motion.times().empty() || motion.particles().size() == 0) return nan_value;
+  if (motion.times().empty()) return nan_value;
   const MotionFrame last = motion.frame(motion.times().size() - 1);
-  return double(std::count_if(last.status.begin(), last.status.end(), [](ParticleStatus s) { return alive(s); })) / double(last.status.size());
+  const std::vector<EndReason>& reason = motion.particles().end_reason;
+  double there = 0, lost = 0;
+  for (std::size_t p = 0; p < last.status.size(); ++p) {
+    const EndReason why = p < reason.size() ? reason[p] : EndReason::none;
+    if (alive(last.status[p])) ++there;
+    else if (last.status[p] == ParticleStatus::ended && (why == EndReason::no_vectors || why == EndReason::bad_state || why == EndReason::none)) ++lost;
+  }
+  return there / (there + lost);
 }
 
 // Plainly, where most of what was measured is not there.
 std::string not_usable(const Content& content, double valid_share) {
   constexpr double half = 0.5;
   if (!content.measured) return "";
+  if (std::any_of(content.remarks.begin(), content.remarks.end(), [](const Remark& r) { return r.weight == RemarkWeight::unusable; })) return "";  // said
   const double followed = followed_to_the_end(*content.measured);
   const bool vectors = valid_share < half, particles = followed < half;
   if (!vectors && !particles) return "";
