@@ -67,7 +67,8 @@ TEST_F(CommandOptions, ReportTakesLinesOfItsOwn) {
   EXPECT_EQ(fake_study().report.lines[0].second.field, "strain_vol");
   expect_error(run_program({"report", "r.h5", "--set", "report.line.toe.from_m=[0.3, 0.01]"}), 2,
                "--set report.line.toe: to_m: missing, expected [x, y]\n");
-  expect_error(run_program({"report", "r.h5", "--set", "report.line.toe.form_m=[0.3, 0.01]"}), 2, "did you mean 'report.line.toe.from_m'");
+  expect_error(run_program({"report", "r.h5", "--set", "report.line.toe.form_m=[0.3, 0.01]"}), 2,
+               "--set report.line.toe.form_m=[0.3, 0.01]: this command takes no key 'report.line.toe.form_m'; did you mean 'report.line.toe.from_m'?\n");
 }
 
 TEST_F(CommandOptions, QueryPrintsWhatItIsAskedFor) {

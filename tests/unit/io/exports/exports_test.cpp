@@ -157,7 +157,9 @@ TEST_F(Exported, VtkReadsASeriesOfTimes) {
       expected["id"] += double(motion->particles().id[p]);
       expected["status"] += double(frame.status[p]);
       expected["strain_dev"] += std::isfinite(strain[p]) ? strain[p] : 0;
-      if (!frame.cov_u.empty()) expected["sigma"] += std::sqrt((double(frame.cov_u[p][0]) + double(frame.cov_u[p][1])) / 2);
+      if (frame.cov_u.empty()) continue;
+      const double sigma = std::sqrt((double(frame.cov_u[p][0]) + double(frame.cov_u[p][1])) / 2);
+      expected["sigma"] += std::isfinite(sigma) ? sigma : 0;
     }
     double time = 0;
     std::size_t points = 0, vertices = 0, arrays = 0;
