@@ -53,7 +53,6 @@ TEST(Mistakes, AreNamed) {
       {"upside down", [](const Vec2& x) { return Vec2(x.x(), 1 - x.y()); }, "upside down"},
       {"rows downwards", [](const Vec2& x) { return Vec2(x.x(), -x.y()); }, "upside down"},
       {"mirror", [](const Vec2& x) { return Vec2(2 - x.x(), x.y()); }, "from left to right"},
-      {"scale", [](const Vec2& x) { return Vec2(1.06 * x); }, "smaller in both directions"},
       {"mm", [](const Vec2& x) { return Vec2(1000 * x); }, "unit of length"},
       {"cm", [](const Vec2& x) { return Vec2(0.01 * x); }, "unit of length"},
       {"turn", turn(6), "turned by -5"},
