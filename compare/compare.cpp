@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "compare/alignment/bring_together.hpp"
+#include "compare/alignment/mistakes.hpp"
 #include "compare/alignment/partners.hpp"
 #include "compare/alignment/reference.hpp"
 #include "compare/data/data_set.hpp"
@@ -58,13 +59,14 @@ std::string where(const DataSet& set) {
   return quoted(set.motion()) + " (x " + span(0) + ", y " + span(1) + " " + set.motion().length_unit() + ")";
 }
 
-std::vector<std::size_t> paired_particles(const Alignment& alignment, const DataSet& first, const DataSet& second) {
+std::vector<std::size_t> paired_particles(const Alignment& alignment, const DataSet& first, const DataSet& second, const std::string& mistake) {
   std::vector<std::size_t> paired;
   for (std::size_t p = 0; p < first.size(); ++p)
     if (has_partner(alignment.partners()[p])) paired.push_back(p);
   if (paired.empty())
     throw InputError("compare: no particle of the first, " + where(first) + ", finds a partner in the second, " +
-                     where(second) + "; expected material positions that overlap (same origin, unit and labels)");
+                     where(second) + "; expected material positions that overlap (same origin, unit and labels)" +
+                     (mistake.empty() ? "" : ". " + mistake));
   return paired;
 }
 
@@ -194,7 +196,10 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
   Comparison out;
   out.names = {first_motion.name(), second_motion.name()};
   remark_alignment(alignment, first, second, common, out.remarks);
-  Differences differences(paired_particles(alignment, first, second), first, common.times.size(), options, notes,
+  const std::string mistake = alignment.by_identity() ? std::string()
+                                                      : likely_mistake(start_first, first.median_spacing(), start_second, second.median_spacing(), first_motion.length_unit());
+  if (!mistake.empty()) out.doubts.push_back(mistake);
+  Differences differences(paired_particles(alignment, first, second, mistake), first, common.times.size(), options, notes,
                           together.time ? together.time->sigma : 0);
   Numerics numerics(refinement, first, second, common);
   Bands bands(options.band_strain, first, second);

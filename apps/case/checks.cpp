@@ -17,6 +17,14 @@ namespace pivnp::app {
 
 namespace {
 
+// Empty: the field is known.
+std::string fault_of_field(const std::string& name) {
+  std::vector<std::string> known;
+  for (const DerivedField& field : derived_fields()) known.emplace_back(field.name);
+  if (std::find(known.begin(), known.end(), name) != known.end()) return "";
+  return "unknown field \"" + name + "\"" + did_you_mean(name, known);
+}
+
 class Checker : Refusals {
  public:
   Checker(const Case& c, const Source& source) : Refusals{c, source} {}
@@ -37,11 +45,9 @@ class Checker : Refusals {
   void lines() const {
     for (const auto& [name, line] : c_.report.lines) {
       const std::string section = "report.line." + name;
-      if (!line.from_m || !line.to_m) refuse_section(section, std::string(line.from_m ? "to_m" : "from_m") + ": missing, expected [x, y]");
-      if (*line.from_m == *line.to_m) refuse(section + ".to_m", "found from_m again, expected another point");
-      if (name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != std::string::npos)
-        refuse_section(section, "the name is that of a file; expected letters, digits, _ and -");
-      known_field(section + ".field", line.field);
+      const std::optional<LineFault> fault = fault_of_line(name, line);
+      if (fault && fault->key.empty()) refuse_section(section, fault->text);
+      if (fault) refuse(section + "." + fault->key, fault->text);
     }
   }
 
@@ -305,14 +311,20 @@ class Checker : Refusals {
   }
 
   void known_field(const std::string& key, const std::string& name) const {
-    std::vector<std::string> known;
-    for (const DerivedField& field : derived_fields()) known.emplace_back(field.name);
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      refuse(key, "unknown field \"" + name + "\"" + did_you_mean(name, known));
+    if (const std::string fault = fault_of_field(name); !fault.empty()) refuse(key, fault);
   }
 };
 
 }  // namespace
+
+std::optional<LineFault> fault_of_line(const std::string& name, const report::LineOptions& line) {
+  if (!line.from_m || !line.to_m) return LineFault{"", std::string(line.from_m ? "to_m" : "from_m") + ": missing, expected [x, y]"};
+  if (*line.from_m == *line.to_m) return LineFault{"to_m", "found from_m again, expected another point"};
+  if (name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != std::string::npos)
+    return LineFault{"", "the name is that of a file; expected letters, digits, _ and -"};
+  if (const std::string fault = fault_of_field(line.field); !fault.empty()) return LineFault{"field", fault};
+  return std::nullopt;
+}
 
 void check_given(const Case& c, const Source& source) { Checker(c, source).all(); }
 

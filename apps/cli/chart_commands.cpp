@@ -145,9 +145,10 @@ Action declare_sweep(CLI::App& app, Session& session) {
   app.add_flag("--grid", s->options.grid, "all combinations of the values (default: one key at a time, the others as in the case)");
   std::string names;
   for (const SweepResponse& r : sweep_responses()) names += (names.empty() ? "" : ", ") + r.name;
-  app.add_option("--response", s->options.responses, "what is read off each run: " + names + " (default: top_speed,run_out)")
+  app.add_option("--response", s->options.responses, "what is read off each run: " + names + ", or difference.METRIC, a metric of the comparison with --against (default: top_speed,run_out)")
       ->type_name("NAME,...")
       ->delimiter(',');
+  app.add_option("--against", s->options.against, "the measurement that difference.METRIC compares each run with")->type_name("RECORD[:MOTION]");
   app.add_option("--zone", s->options.zone_m, "the particles that start in this box give displacement and speed (default: those that move at least half as far as the one that moves most)")
       ->type_name("X0,Y0,X1,Y1")
       ->delimiter(',')

@@ -33,11 +33,18 @@ const std::vector<Command>& commands() {
        "pivnp compare out/lab/record.h5:np \"cbgeo=run/particles*.h5\" --step-s 1e-5 --junit limits.xml\n"
        "pivnp compare history=lab/front.csv front=out/lab/record.h5:mpm --history-rms 0.02",
        declare_compare},
-      {"report", "write the report of a finished record again", "pivnp report out/lab/record.h5 --out out/again",
+      {"report", "write the report of a finished record again",
+       "pivnp report out/lab/record.h5 --out out/again\n"
+       "pivnp report out/lab/record.h5 --set \"report.line.crest.from_m=[0, 0.2]\" --set \"report.line.crest.to_m=[0.2, 0.2]\"",
        declare_report},
-      {"export", "write a record's fields as CSV, or as VTKHDF for ParaView",
+      {"query", "print a record's values and their uncertainty at points, along a line, in a rectangle, or between two points (CSV)",
+       "pivnp query out/lab/record.h5:np --points \"[[0.12, 0.05], [0.2, 0.05]]\" --fields displacement_x,strain_dev\n"
+       "pivnp query out/lab/record.h5:mpm --line \"[[0, 0.05], [0.3, 0.05]]\" --times 0.2,0.4\n"
+       "pivnp query out/lab/record.h5:np --extensometer \"[[0.1, 0.02], [0.2, 0.02]]\" > strain.csv",
+       declare_query},
+      {"export", "write a record's fields as CSV, or for ParaView",
        "pivnp export out/lab/record.h5 --motions np --fields strain_dev,velocity_x --times 0.2,0.4\n"
-       "pivnp export out/lab/record.h5 --format vtkhdf --out out/paraview",
+       "pivnp export out/lab/record.h5 --format vtu --out out/paraview",
        declare_export},
       {"synth", "draw the synthetic frames of a case, with their truth",
        "pivnp synth datasets/affine_shear --out out/shear", declare_synth},

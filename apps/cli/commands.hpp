@@ -50,6 +50,7 @@ Action declare_calibrate(CLI::App& app, Session& session);
 // On finished records, and on many cases (record_commands.cpp, verify_command.cpp).
 Action declare_compare(CLI::App& app, Session& session);
 Action declare_report(CLI::App& app, Session& session);
+Action declare_query(CLI::App& app, Session& session);
 Action declare_export(CLI::App& app, Session& session);
 Action declare_verify(CLI::App& app, Session& session);
 

@@ -1,7 +1,10 @@
-// Commands on finished records: compare, report, export.
+// Commands on finished records: compare, report, query, export.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
+#include <optional>
 
+#include "apps/case/checks.hpp"
 #include "apps/cli/arguments.hpp"
 #include "apps/cli/commands.hpp"
 #include "apps/cli/option_flags.hpp"
@@ -73,6 +76,33 @@ Action declare_compare(CLI::App& app, Session& session) {
   };
 }
 
+namespace {
+
+// Keys of [report.line.NAME], of a line that the record's case has or of another.
+KeySetter keys_of_lines(report::ReportOptions& options) {
+  return [&options](const std::string& key, const std::string& text, std::vector<std::string>& known) {
+    static const std::string prefix = "report.line.";
+    const std::size_t dot = key.find('.', prefix.size());
+    const bool of_line = key.starts_with(prefix) && dot != std::string::npos && dot > prefix.size();
+    const std::string section = of_line ? key.substr(0, dot) : prefix + "NAME", name = of_line ? section.substr(prefix.size()) : "";
+    report::LineOptions line;
+    const auto held = std::find_if(options.lines.begin(), options.lines.end(), [&](const auto& item) { return item.first == name; });
+    if (of_line && held != options.lines.end()) line = held->second;
+    if (!keys_of(section, line)(key, text, known)) return false;
+    if (held != options.lines.end()) held->second = line;
+    else options.lines.emplace_back(name, line);
+    return true;
+  };
+}
+
+void require_lines(const report::ReportOptions& options) {
+  for (const auto& [name, line] : options.lines)
+    if (const std::optional<LineFault> fault = fault_of_line(name, line))
+      throw InputError("--set report.line." + name + (fault->key.empty() ? "" : "." + fault->key) + ": " + fault->text);
+}
+
+}  // namespace
+
 Action declare_report(CLI::App& app, Session& session) {
   struct Report {
     Arguments arguments;
@@ -85,12 +115,13 @@ Action declare_report(CLI::App& app, Session& session) {
   add_out(app, r->arguments, "beside the record");
   add_frames(app, r->arguments);
   add_option_flags(app, r->options, r->setters, true);
-  add_set(app, r->setters, {keys_of("report", r->options)});
+  add_set(app, r->setters, {keys_of_lines(r->options), keys_of("report", r->options)});
   add_session(app, session);
   return [r, &session] {
     const auto change = [&r](report::ReportOptions& options) {
       r->options = options;
       for (const auto& set : r->setters) set();
+      require_lines(r->options);
       options = r->options;
     };
     RunOutcome outcome;
@@ -102,6 +133,23 @@ Action declare_report(CLI::App& app, Session& session) {
   };
 }
 
+Action declare_query(CLI::App& app, Session& session) {
+  struct Query {
+    std::string source;
+    QueryOptions options;
+    Setters setters;
+  };
+  const auto q = std::make_shared<Query>();
+  app.add_option("RECORD", q->source, "record.h5 or its folder, with :MOTION where it holds several; or FORMAT=PATTERN, as in compare")->required();
+  add_option_flags(app, q->options, q->setters, true);
+  add_session(app, session);
+  return [q, &session] {
+    for (const auto& set : q->setters) set();
+    session.out << query_motion(q->source, q->options) << std::flush;
+    return 0;
+  };
+}
+
 Action declare_export(CLI::App& app, Session& session) {
   struct Export {
     Arguments arguments;
@@ -110,9 +158,9 @@ Action declare_export(CLI::App& app, Session& session) {
   };
   const auto e = std::make_shared<Export>();
   app.add_option("RECORD", e->record, "record.h5, or the folder that holds it")->required();
-  app.add_option("--format", e->format, "csv: one table per motion, and one of the vectors; vtkhdf: one file per motion, for ParaView (csv)")
+  app.add_option("--format", e->format, "csv: one table per motion, and one of the vectors; vtu: a .pvd per motion with a file per time, for ParaView; vtkhdf: one file per motion, for ParaView 5.12 (csv)")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"csv", "vtkhdf"}));
+      ->check(CLI::IsMember(choice_names<io::ExportFormat>()));
   app.add_option("--motions", e->options.motions, "motions to write, and piv for the vectors (all)")->type_name("NAMES")->delimiter(',');
   app.add_option("--fields", e->options.fields, "fields to write, by their names in docs/format.md (displacement and strain)")
       ->type_name("NAMES")
@@ -121,7 +169,7 @@ Action declare_export(CLI::App& app, Session& session) {
   add_out(app, e->arguments, "export/ beside the record");
   add_session(app, session);
   return [e, &session] {
-    for (const std::filesystem::path& file : export_record(e->record, e->arguments.out, e->format == "vtkhdf", e->options))
+    for (const std::filesystem::path& file : export_record(e->record, e->arguments.out, *value_named<io::ExportFormat>(e->format), e->options))
       session.out << file.string() << "\n";
     return 0;
   };

@@ -90,7 +90,10 @@ std::string count(std::size_t n, std::string_view singular, std::string_view plu
 }
 
 std::string unit_words(const std::string& unit) { return unit == "1" ? "" : unit; }
-std::string unit_suffix(const std::string& unit) { return unit_words(unit).empty() ? "" : " " + unit; }
+std::string unit_suffix(const std::string& unit) {
+  if (unit == "frame") return " frames";  // times that are counted, for want of a rate
+  return unit_words(unit).empty() ? "" : " " + unit;
+}
 
 DisplayUnit display_unit(const std::string& unit, double largest) {
   if (unit == "m" && largest > 0 && largest < 2e-4) return {1e6, "\u00b5m"};

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "apps/plot/numbers.hpp"
-#include "apps/report/content/gauge.hpp"
 #include "apps/report/write.hpp"
 #include "compare/alignment/as_compared.hpp"
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/gauge.hpp"
 
 namespace pivnp::report {
 
@@ -114,6 +114,7 @@ Content content_of(const ReportOptions& options, const ReportInput& input) {
     if (const Metric* peak = find(content.comparison->metrics, "displacement_peak_first")) content.mobilised = 0.05 * peak->value;
   content.hardware = hardware_rows(options.hardware);
   content.setup = input.setup;
+  content.simulated_setup = input.simulated;
   content.runs = input.runs;
   content.last_picture = input.last_picture;
   content.per_radian = record.head().per_radian;

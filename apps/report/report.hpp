@@ -23,6 +23,7 @@ struct ReportInput {
   std::vector<Picture> pictures;         // frames to draw vectors on, one at least if there is PIV
   std::shared_ptr<const Picture> last_picture;  // the frame at the last compared time, if it is to be had (nullptr: it is not)
   std::vector<std::pair<std::string, std::string>> setup;  // of the measurement: what, and how it was
+  std::vector<std::pair<std::string, std::string>> simulated;  // of the simulation, likewise
   std::vector<Run> runs;                 // to show beside each other, this record's own first
   std::vector<Remark> remarks;           // what the run and its data say: doubts are flags
   std::vector<std::string> notes;        // how the comparison was made, likewise

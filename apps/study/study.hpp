@@ -6,6 +6,7 @@
 #include "apps/study/stress/stress.hpp"
 #include "apps/study/studies/calibrate.hpp"
 #include "apps/study/studies/check.hpp"
+#include "apps/study/studies/query.hpp"
 #include "apps/study/studies/records.hpp"
 #include "apps/study/studies/run.hpp"
 #include "apps/study/studies/verify.hpp"

@@ -148,6 +148,26 @@ class Motion:
         found = self._core.values(name, self._frames(frame))
         return found if frame is None else found[0]
 
+    def at(self, points: Any) -> "Motion":
+        """At material points of the first frame: a Motion with one particle a point. Fields sigma_... are standard uncertainties."""
+        return Motion(self._core.at([tuple(map(float, p)) for p in points]))
+
+    def mean(self, corner: Any, opposite: Any) -> "Motion":
+        """The mean over the particles that start in a rectangle, as a Motion of one particle."""
+        return Motion(self._core.mean(tuple(map(float, corner)), tuple(map(float, opposite))))
+
+    def with_gauge(self, diameter: float) -> "Motion":
+        """The same motion with strains over circles of another diameter."""
+        return Motion(self._core.with_gauge(float(diameter)))
+
+    def extensometer(self, start: Any, end: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Times, strain of the line between two material points of the first frame, and its standard uncertainty."""
+        return self._core.extensometer(tuple(map(float, start)), tuple(map(float, end)))
+
+    def section(self, name: str, start: Any, end: Any, frame: int = -1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Distance, value and standard uncertainty of a field along a line in space, of the nearest particles."""
+        return self._core.section(name, tuple(map(float, start)), tuple(map(float, end)), self._frames(frame)[0])
+
     def plot(self, name: str = "displacement_magnitude", frame: int = -1, ax: Any = None, **scatter: Any) -> Any:
         """Particles at one time, coloured by a field. Gives the matplotlib axes."""
         return self.field(name, frame).plot(0, ax, **scatter)
@@ -169,7 +189,7 @@ class Motion:
         return frame
 
 
-def open_motion(source: str, step: float = 1.0, length_unit: str = "m") -> Motion:
+def open_motion(source: str, step: float = 1.0, length_unit: str = "m") -> "Motion":
     """One motion as the command line names it: "RECORD.h5:np", or another program's results, "cbgeo=run/particles*.h5".
 
     step: time from one file's number to the next where files only count them; length_unit: of another program's lengths.

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "apps/study/pipeline/record/opened_motion.hpp"
@@ -9,6 +10,9 @@
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/fields.hpp"
+#include "pivnp/core/particles/gauge.hpp"
+#include "pivnp/core/particles/places.hpp"
+#include "pivnp/core/text.hpp"
 #include "pivnp/io/records/record.hpp"
 #include "python/src/guard.hpp"
 #include "python/src/parts.hpp"
@@ -150,6 +154,46 @@ std::vector<std::string> computed_names(const std::vector<std::string>& held) {
   return names;
 }
 
+// The motion as another source shows it.
+Motion seen_as(const Motion& motion, std::shared_ptr<const MotionSource> source) {
+  Motion out = motion;
+  out.source = std::const_pointer_cast<MotionSource>(std::move(source));
+  return out;
+}
+
+Vec2 point_of(const std::array<double, 2>& x) { return {x[0], x[1]}; }
+
+Motion at_material_points(const Motion& motion, const std::vector<std::array<double, 2>>& points) {
+  std::vector<Vec2> x;
+  for (const auto& p : points) x.push_back(point_of(p));
+  return seen_as(motion, at_points(motion.source, x));
+}
+
+Motion mean_in(const Motion& motion, const std::array<double, 2>& one, const std::array<double, 2>& two) {
+  const Vec2 a = point_of(one), b = point_of(two);
+  return seen_as(motion, in_rectangle(motion.source, a.cwiseMin(b), a.cwiseMax(b), motion.note ? motion.note->gauge_length : 0));
+}
+
+// Sigma: NaN where it is not known.
+py::tuple curve_of(std::vector<double> at, std::vector<double> value, std::vector<double> sigma) {
+  const py::ssize_t n = py::ssize_t(value.size());
+  if (sigma.empty()) sigma.assign(value.size(), nan_value);
+  return py::make_tuple(taken<double>(std::move(at), {n}), taken<double>(std::move(value), {n}), taken<double>(std::move(sigma), {n}));
+}
+
+py::tuple strain_between(const Motion& motion, const std::array<double, 2>& from, const std::array<double, 2>& to) {
+  ExtensometerCurve c = read_from(motion, [&](Progress&) { return extensometer(*motion.source, point_of(from), point_of(to)); });
+  return curve_of(std::move(c.time), std::move(c.strain), std::move(c.sigma));
+}
+
+py::tuple along(const Motion& motion, const std::string& name, const std::array<double, 2>& from, const std::array<double, 2>& to,
+                std::int64_t frame) {
+  derived_field(name);
+  const std::size_t k = checked_frames(motion, {frame}).front();
+  SectionCurve c = read_from(motion, [&](Progress&) { return section(*motion.source, name, motion.central, k, point_of(from), point_of(to)); });
+  return curve_of(std::move(c.distance), std::move(c.value), std::move(c.sigma));
+}
+
 Motion opened(app::OpenedMotion from, bool central) {
   Motion motion;
   motion.residual = from.residual();
@@ -261,6 +305,17 @@ void bind_motion(py::module_& m) {
                                                          {py::ssize_t(particles(v).size())}, py::cast(v));
                              })
       .def("values", &values, py::arg("name"), py::arg("frames"))
+      .def("at", &at_material_points, py::arg("points"))
+      .def("mean", &mean_in, py::arg("corner"), py::arg("opposite"))
+      .def(
+          "with_gauge",
+          [](const Motion& v, double diameter) {
+            if (!(diameter > 0)) throw InputError("diameter: found " + number(diameter) + ", expected more than 0");
+            return seen_as(v, with_gauge(v.source, diameter));
+          },
+          py::arg("diameter"))
+      .def("extensometer", &strain_between, py::arg("start"), py::arg("end"))
+      .def("section", &along, py::arg("name"), py::arg("start"), py::arg("end"), py::arg("frame"))
       .def("recorded",
            [](const Motion& v) {
              return v.source->times().empty() ? std::vector<std::string>{}

@@ -282,6 +282,33 @@ class Module(unittest.TestCase):
         tracker.step(vectors)
         self.assertEqual(tracker.frame["u"].tolist(), [[0.25, 0.0]])
 
+    def test_values_at_places_of_a_record(self):
+        motion = self.record["np"]
+        particle = int(np.flatnonzero(np.isnan(motion.end))[0])
+        at = motion.at([motion.x0[particle], [9, 9]])
+        for name in ("u", "strain_dev", "sigma_displacement_x", "sigma_strain_dev"):
+            np.testing.assert_allclose(at.values(name, -1)[0], motion.values(name, -1)[particle], rtol=2e-5, atol=1e-9)
+        self.assertEqual(list(at["status"].values[:, 1]), [0] * len(motion))
+        self.assertAlmostEqual(float(at.values("sigma_displacement_x", -1)[0]), float(np.sqrt(motion.values("cov_u", -1)[particle, 0])), places=9)
+        lower, upper = (0.05, 0.04), (0.11, 0.08)
+        inside = ((motion.x0 >= lower) & (motion.x0 <= upper)).all(axis=1) & (motion.values("status", -1) < 3)
+        mean = motion.mean(upper, lower)
+        np.testing.assert_allclose(mean.values("u", -1)[0], np.average(motion.values("u", -1)[inside], axis=0, weights=motion.area[inside]), rtol=1e-5)
+        sigma = motion.values("sigma_displacement_x", -1)[inside]
+        self.assertTrue(sigma.mean() / np.sqrt(inside.sum()) < mean.values("sigma_displacement_x", -1)[0] <= np.sqrt((sigma**2).mean()))
+        time, strain, error = motion.extensometer((0.05, 0.06), (0.11, 0.06))
+        self.same(time, motion.time)
+        self.assertAlmostEqual(strain[-1], 0.03, delta=0.006)
+        self.assertTrue(0 < error[-1] < 0.01)
+        distance, value, error = motion.section("displacement_x", (0.05, 0.06), (0.11, 0.06))
+        self.assertAlmostEqual(distance[-1], 0.06)
+        self.assertTrue(np.isfinite(value).all() and (error > 0).all())
+        self.assertAlmostEqual((value[-1] - value[0]) / 0.06, 0.03, delta=0.01)
+        self.assertGreater(np.nanstd(motion.values("strain_xx", -1)), 0)
+        self.assertTrue(np.isfinite(motion.with_gauge(0.03).values("strain_xx", -1)).any())
+        with self.assertRaisesRegex(ValueError, "^diameter: found 0, "):
+            motion.with_gauge(0)
+
     def test_to_xarray_and_pandas(self):
         try:
             import pandas  # noqa: F401

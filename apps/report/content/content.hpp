@@ -64,7 +64,7 @@ struct Content {
   Reactions reactions;                            // of the simulation's boundaries, loads and bodies
   std::span<const Picture> pictures;
   std::shared_ptr<const Picture> last_picture;  // the frame at the last compared time, to draw shear bands on; nullptr: none
-  std::vector<std::pair<std::string, std::string>> hardware, setup;  // rows on the camera as given, and on the correlation
+  std::vector<std::pair<std::string, std::string>> hardware, setup, simulated_setup;  // rows on the camera as given, the correlation, the simulation
   std::optional<double> gauge;             // over which strains are drawn, where it is not the record's; length unit
   double mobilised = 0;                    // displacement above which material counts as mobilised; 0: not known
   std::vector<Run> runs;             // the record's own first; empty: no others were asked for

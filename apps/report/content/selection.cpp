@@ -44,10 +44,6 @@ std::vector<char> surrounded(const ParticleSet& particles) {
 
 }  // namespace
 
-double particle_spacing(const ParticleSet& particles, std::size_t p) {
-  return p < particles.area.size() && particles.area[p] > 0 ? std::sqrt(particles.area[p]) : 0;
-}
-
 std::optional<std::size_t> frame_at(const MotionSource& motion, double time) {
   const std::vector<double>& t = motion.times();
   if (t.empty()) return std::nullopt;

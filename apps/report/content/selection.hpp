@@ -7,11 +7,9 @@
 
 #include "apps/report/content/content.hpp"
 #include "apps/report/content/options.hpp"
+#include "pivnp/core/particles/places.hpp"
 
 namespace pivnp::report {
-
-/// Edge of the square that a particle stands for; 0 where the source tells no area.
-double particle_spacing(const ParticleSet& particles, std::size_t p);
 
 /// Index of the frame nearest to `time`; none if it lies outside the motion's times by more than half a step.
 std::optional<std::size_t> frame_at(const MotionSource& motion, double time);

@@ -68,7 +68,7 @@ pre { background: var(--tint); padding: .9rem 1.1rem; font-size: .72rem; line-he
 @page { size: A4; margin: 20mm; }
 @media (max-width: 640px) {
   html { font-size: 16px; } main { padding: 1.2rem .8rem 3rem; } .pair { grid-template-columns: 1fr; }
-  .picture.wide img { min-width: 38rem; } caption > span { display: block; position: sticky; left: 0; max-width: calc(100vw - 1.6rem); }
+  .picture.wide img { min-width: 38rem; } #verdict .picture.wide img, #motion .picture.wide img { min-width: 0; } caption > span { display: block; position: sticky; left: 0; max-width: calc(100vw - 1.6rem); }
   table.pairs tr { display: block; border-bottom: 1px solid var(--row); } table.pairs thead, table.pairs col { display: none; }
   table.pairs td { display: inline-block; width: 46%; border: 0; vertical-align: top; } table.pairs td:empty { display: none; }
   table.cards thead { position: absolute; left: -99rem; } table.cards col { display: none; }

@@ -1,4 +1,4 @@
-// The table by which a reader judges the measurement.
+// The tables by which a reader judges the measurement, and repeats the simulation.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cctype>
@@ -128,6 +128,18 @@ Table measurement_table(const Content& content, const std::vector<PairQuality>& 
       t.rows.back().push_back(k < items.size() ? items[k].second : "");
     }
   }
+  return t;
+}
+
+std::optional<Table> simulation_table(const Content& content) {
+  if (content.simulated_setup.empty()) return std::nullopt;
+  Table t;
+  t.caption = "The simulation. What is not listed is as by default (Settings).";
+  t.head = {"", ""};
+  t.width = {0.24, 0.76};
+  t.align = {'l', 'l'};
+  t.fine = true;
+  for (const auto& [what, how] : content.simulated_setup) t.rows.push_back({what, how});
   return t;
 }
 

@@ -61,8 +61,10 @@ void measurement_section(Builder& b, const FigureInput& input) {
 
 void simulation_section(Builder& b, const FigureInput& input) {
   std::vector<Figure> figures = draw_section(Section::simulation, input);
-  if (figures.empty()) return;
+  auto table = simulation_table(input.content);
+  if (figures.empty() && !table) return;
   b.heading(1, "Simulation");
+  if (table) b.add(std::move(*table));
   b.add(std::move(figures));
 }
 

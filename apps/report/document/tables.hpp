@@ -17,6 +17,9 @@ std::optional<Table> summary_table(const Content& content, const DataSetNames& n
 /// Camera, correlation, noise and strain gauge of the measurement.
 Table measurement_table(const Content& content, const std::vector<PairQuality>& pairs);
 
+/// Materials, cells, step, walls and loads of the simulation; none where they are not known.
+std::optional<Table> simulation_table(const Content& content);
+
 /// What the comparisons of several runs come to, a column a run; none where there are not two.
 std::optional<Table> runs_table(const Content& content);
 

@@ -13,6 +13,7 @@
 #include "apps/report/figures/rows.hpp"
 #include "apps/report/words/summary.hpp"
 #include "apps/report/words/words.hpp"
+#include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/particles/derived.hpp"
 
 namespace pivnp::report {
@@ -307,18 +308,49 @@ std::vector<Figure> draw_fields(const FigureInput& input) {
   return all;
 }
 
+constexpr std::string_view motion_figure = "motion";  // page one where nothing is compared
+
+// The last time at which half of the particles that are followed longest are still there.
+double last_shown(const Content& content) {
+  const MotionSource& motion = content.measured ? *content.measured : *content.simulated;
+  const std::vector<double>& times = motion.times();
+  std::size_t most = 0, k = times.size();
+  const auto followed = [&](std::size_t frame) {
+    const std::vector<ParticleStatus> status = motion.frame(frame).status;
+    return std::size_t(std::count_if(status.begin(), status.end(), [](ParticleStatus s) { return alive(s); }));
+  };
+  for (std::size_t step = std::max<std::size_t>(1, times.size() / 20), frame = 0; frame < times.size(); frame += step) most = std::max(most, followed(frame));
+  while (k > 1 && 2 * followed(k - 1) < most) --k;
+  return times[k - 1];
+}
+
+Figure draw_motion(const FigureInput& input) {
+  FigureInput one = input;
+  one.times = {last_shown(input.content)};
+  Figure figure = draw_field(one, "displacement_magnitude");
+  figure.name = motion_figure;
+  figure.shows = "displacement on the particles";
+  figure.caption = "Displacement at " + plain(one.times[0]) + unit_suffix(input.content.time_unit) + " on the particles where they are then" +
+                   (input.content.measured && input.content.simulated ? ", " + input.names.first + " and " + input.names.second : std::string()) +
+                   "; pale grey: no longer followed, at their last place.";
+  return figure;
+}
+
 }  // namespace
 
-// The picture that carries the verdict: displacement of both and their difference, where that is greatest.
+// The picture that carries the verdict: displacement of both and their difference, where that is greatest; else the motion.
 FigureRow summary_row() {
   return {.name = "verdict",
           .shows = "displacement of both data sets and their difference, at the time of the greatest difference",
           .section = Section::summary,
           .applies = [](const FigureInput& i) {
-            return i.content.comparison && i.content.measured && i.content.simulated &&
-                   std::isfinite(worst_of(i.content, i.differences).rms);
+            if (!i.content.comparison)
+              return (i.content.measured && !i.content.measured->times().empty()) ||
+                     (!i.content.measured && i.content.simulated && !i.content.simulated->times().empty());
+            return i.content.measured && i.content.simulated && std::isfinite(worst_of(i.content, i.differences).rms);
           },
           .draw = [](const FigureInput& i) -> std::vector<Figure> {
+            if (!i.content.comparison) return {draw_motion(i)};
             FigureInput one = i;
             one.times = {worst_of(i.content, i.differences).time};
             Figure figure = draw_field(one, "displacement_magnitude");
@@ -328,7 +360,8 @@ FigureRow summary_row() {
                              ", when the difference is largest: " + i.names.first + ", " + i.names.second + " and " +
                              i.names.difference() + " (blue: less, red: more). " + i.content.alignment;
             return {figure};
-          }};
+          },
+          .owns = [](std::string_view figure) { return figure == "verdict" || figure == motion_figure; }};
 }
 
 FigureRow fields_row() {

@@ -6,10 +6,11 @@
 
 #include "apps/plot/marks.hpp"
 #include "apps/plot/numbers.hpp"
-#include "apps/report/content/line_curves.hpp"
+#include "apps/report/content/selection.hpp"
 #include "apps/report/figures/rows.hpp"
 #include "apps/report/words/words.hpp"
 #include "pivnp/core/particles/derived.hpp"
+#include "pivnp/core/particles/places.hpp"
 
 namespace pivnp::report {
 
@@ -81,7 +82,9 @@ std::vector<Figure> draw_lines(const FigureInput& input) {
     for (const auto& [motion, measured] : {std::pair{content.measured, true}, {content.simulated, false}}) {
       if (!motion) continue;
       if (along) {
-        SectionCurve c = section(*motion, line.field, input.central, time, from, to);
+        const std::optional<std::size_t> frame = frame_at(*motion, time);
+        if (!frame) continue;
+        SectionCurve c = section(*motion, line.field, input.central, *frame, from, to);
         curves.push_back({measured, std::move(c.distance), std::move(c.value), std::move(c.sigma)});
       } else {
         ExtensometerCurve c = extensometer(*motion, from, to);

@@ -189,6 +189,7 @@ std::string limits(const Comparison& c) {
   if (missed == 0 && list.size() < 3)
     return (list.size() == 1 ? " The limit that was stated is met." : " Both limits that were stated are met.") + by_chance;
   if (missed == 0) return " All " + std::to_string(list.size()) + " limits that were stated are met." + by_chance;
+  if (list.size() == 1) return " The limit that was stated is exceeded.";
   return " " + std::to_string(missed) + " of " + count(list.size(), "limit") + " that were stated " +
          (missed == 1 ? "is" : "are") + " exceeded.";
 }

@@ -14,6 +14,34 @@ using namespace plot;
 
 namespace {
 
+// Share of the particles that are there at the last time, of those that have not left the view and were not taken away.
+double followed_to_the_end(const MotionSource& motion) {
+  if (motion.times().empty()) return nan_value;
+  const MotionFrame last = motion.frame(motion.times().size() - 1);
+  const std::vector<EndReason>& reason = motion.particles().end_reason;
+  double there = 0, lost = 0;
+  for (std::size_t p = 0; p < last.status.size(); ++p) {
+    const EndReason why = p < reason.size() ? reason[p] : EndReason::none;
+    if (alive(last.status[p])) ++there;
+    else if (last.status[p] == ParticleStatus::ended && (why == EndReason::no_vectors || why == EndReason::bad_state || why == EndReason::none)) ++lost;
+  }
+  return there / (there + lost);
+}
+
+// Plainly, where most of what was measured is not there.
+std::string not_usable(const Content& content, double valid_share) {
+  constexpr double half = 0.5;
+  if (!content.measured) return "";
+  if (std::any_of(content.remarks.begin(), content.remarks.end(), [](const Remark& r) { return r.weight == RemarkWeight::unusable; })) return "";  // said
+  const double followed = followed_to_the_end(*content.measured);
+  const bool vectors = valid_share < half, particles = followed < half;
+  if (!vectors && !particles) return "";
+  std::string why;
+  if (vectors) why = "only " + percent(valid_share) + " of the vectors are valid";
+  if (particles) why += std::string(why.empty() ? "" : ", and ") + "only " + percent(followed) + " of the particles were followed to the end";
+  return "This measurement is not usable as it is: " + why + ". ";
+}
+
 std::string motion_sentence(const MotionSource& motion, const std::string& verb) {
   const std::vector<double>& t = motion.times();
   std::string text =
@@ -66,15 +94,16 @@ std::string basis(const Content& content, const DataSetNames& names) {
 std::string verdict(const Content& content, const DataSetNames& names, const std::vector<PairQuality>& pairs,
                     const DifferenceCurve& differences) {
   std::string text;
+  std::size_t nodes = 0, valid = 0;
+  for (const PairQuality& q : pairs) nodes += q.nodes, valid += q.valid;
+  const std::string warning = not_usable(content, nodes > 0 ? double(valid) / double(nodes) : nan_value);
   if (content.comparison)
-    return find(content.comparison->metrics, "history_rms") ? histories_summary(content) : summary(content, names, differences);
+    return find(content.comparison->metrics, "history_rms") ? histories_summary(content) : warning + summary(content, names, differences);
   if (content.measured) text = motion_sentence(*content.measured, "followed through the measured increments");
   if (content.simulated) {
     if (!text.empty()) text += " Simulated: ";
     text += motion_sentence(*content.simulated, "simulated");
   }
-  std::size_t nodes = 0, valid = 0;
-  for (const PairQuality& q : pairs) nodes += q.nodes, valid += q.valid;
   if (nodes > 0) {
     if (!text.empty()) text += " ";
     text += count(pairs.size(), "pair of frames was", "pairs of frames were") + " measured; " +
@@ -82,6 +111,7 @@ std::string verdict(const Content& content, const DataSetNames& names, const std
             " are valid.";
   }
   if (text.empty()) return "The record holds neither vectors nor a motion.";
+  text.insert(0, warning);
   if (content.measured && content.simulated) text += " The two were not compared.";
   else if (content.measured) text += " No simulation was compared with the measurement.";
   else if (content.simulated) text += " No measurement was compared with the simulation.";

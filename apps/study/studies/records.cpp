@@ -134,12 +134,17 @@ RunOutcome report_record(const fs::path& given, const RunSettings& settings, Pro
   return outcome;
 }
 
-std::vector<fs::path> export_record(const fs::path& given, const fs::path& out, bool vtkhdf, const io::ExportOptions& options) {
+std::vector<fs::path> export_record(const fs::path& given, const fs::path& out, io::ExportFormat format, const io::ExportOptions& options) {
   const fs::path file = fs::is_directory(given) ? given / "record.h5" : given;
   const io::RecordReader record(file);
   const fs::path directory = out.empty() ? file.parent_path() / "export" : out;
   fs::create_directories(directory);
-  return vtkhdf ? io::export_vtkhdf(record, options, directory) : io::export_csv(record, options, directory);
+  switch (format) {
+    case io::ExportFormat::vtu: return io::export_vtu(record, options, directory);
+    case io::ExportFormat::vtkhdf: return io::export_vtkhdf(record, options, directory);
+    case io::ExportFormat::csv: break;
+  }
+  return io::export_csv(record, options, directory);
 }
 
 }  // namespace pivnp::app

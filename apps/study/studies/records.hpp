@@ -20,8 +20,8 @@ RunOutcome compare_records(const CompareSources& sources, const compare::Compare
 RunOutcome report_record(const std::filesystem::path& record, const RunSettings& settings, Progress& progress,
                          const std::function<void(report::ReportOptions&)>& change = {});
 
-/// Writes fields of a finished record into `out` (empty: export/ beside it), as CSV or VTKHDF. Returns the files.
-std::vector<std::filesystem::path> export_record(const std::filesystem::path& record, const std::filesystem::path& out, bool vtkhdf,
+/// Writes fields of a finished record into `out` (empty: export/ beside it), in one of the formats. Returns the files.
+std::vector<std::filesystem::path> export_record(const std::filesystem::path& record, const std::filesystem::path& out, io::ExportFormat format,
                                                  const io::ExportOptions& options);
 
 }  // namespace pivnp::app

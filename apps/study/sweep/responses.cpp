@@ -4,9 +4,16 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string_view>
 
+#include "apps/study/pipeline/record/opened_motion.hpp"
+#include "apps/study/pipeline/record/outcome.hpp"
+#include "compare/compare.hpp"
+#include "compare/metrics/rows.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/derived.hpp"
+#include "pivnp/core/particles/fields.hpp"
 #include "pivnp/core/text.hpp"
 #include "pivnp/io/records/record.hpp"
 
@@ -56,6 +63,15 @@ const std::vector<Row>& rows() {
       {{"band_temperature_rise", "K", "mean rise of temperature in the bands at the end"}, [](const Seen& s) { return s.band_temperature_mean; }},
   };
   return all;
+}
+
+constexpr std::string_view of_difference = "difference.";
+
+Comparison compared_with(const Case& c, const std::string& against, const MotionSource& simulated, Progress& progress) {
+  const OpenedMotion measured = open_motion(against, {});
+  compare::CompareOptions options = c.compare;
+  add_camera(measured.residual(), options);
+  return compare::compare(*measured.motion, simulated, options, {}, progress, {}, {measured.note, {}});
 }
 
 double level_at(const Case& c, double time) {
@@ -136,7 +152,20 @@ std::vector<SweepResponse> sweep_responses() {
   return all;
 }
 
-void read_responses(const Case& c, const SweepOptions& options, SweepRun& run) {
+SweepResponse sweep_response(const std::string& name) {
+  std::vector<std::string> known;
+  for (const Row& row : rows()) {
+    if (row.response.name == name) return row.response;
+    known.push_back(row.response.name);
+  }
+  for (const compare::MetricRow& row : compare::metric_rows()) {
+    known.push_back(std::string(of_difference) + row.name);
+    if (known.back() == name) return {name, row.unit == "1" ? "" : unit_in(row.unit, "m", "s"), row.definition};
+  }
+  throw InputError("--response: found '" + name + "'" + did_you_mean(name, known));
+}
+
+void read_responses(const Case& c, const SweepOptions& options, SweepRun& run, Progress& progress) {
   const io::RecordReader record(run.folder / "record.h5");
   const std::unique_ptr<MotionSource> motion = record.motion("mpm");
   const std::size_t frames = motion->times().size(), particles = motion->particles().size();
@@ -149,7 +178,17 @@ void read_responses(const Case& c, const SweepOptions& options, SweepRun& run) {
   run.speed = seen.speed;
   run.pressure = seen.pressure_of_zone;
   run.responses.clear();
-  for (const std::string& name : options.responses) {
+  run.uncertainties.assign(options.responses.size(), nan);
+  std::optional<Comparison> found;
+  for (std::size_t k = 0; k < options.responses.size(); ++k) {
+    const std::string& name = options.responses[k];
+    if (name.starts_with(of_difference)) {
+      if (!found) found = compared_with(c, options.against, *motion, progress);
+      const Metric* metric = find(found->metrics, name.substr(of_difference.size()));
+      run.responses.push_back(metric ? metric->value : nan);
+      if (metric) run.uncertainties[k] = metric->uncertainty;
+      continue;
+    }
     const auto row = std::find_if(rows().begin(), rows().end(), [&](const Row& r) { return r.response.name == name; });
     run.responses.push_back(row->of(seen));
   }

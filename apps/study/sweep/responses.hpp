@@ -10,7 +10,7 @@
 namespace pivnp::app {
 
 /// Fills responses, times, distance and speed of `run` from its record. Throws InputError.
-void read_responses(const Case& c, const SweepOptions& options, SweepRun& run);
+void read_responses(const Case& c, const SweepOptions& options, SweepRun& run, Progress& progress);
 
 /// The particles' places and a field at the last output time; NaN where the record lacks it.
 struct LastField {

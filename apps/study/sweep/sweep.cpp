@@ -8,6 +8,7 @@
 
 #include "apps/plot/files.hpp"
 #include "apps/study/frontier/written_pages.hpp"
+#include "apps/study/pipeline/record/opened_motion.hpp"
 #include "apps/study/pipeline/scene/scene.hpp"
 #include "apps/study/sweep/plan.hpp"
 #include "apps/study/sweep/responses.hpp"
@@ -29,10 +30,12 @@ SweepOptions checked(SweepOptions o) {
   if (o.vary.empty()) throw InputError("--vary: missing, expected KEY=VALUE,VALUE,... at least once");
   if (o.responses.empty()) o.responses = {"top_speed", "run_out"};
   if (o.fields.empty()) o.fields = {"displacement_magnitude"};
-  std::vector<std::string> known;
-  for (const SweepResponse& r : sweep_responses()) known.push_back(r.name);
-  for (const std::string& name : o.responses)
-    if (std::find(known.begin(), known.end(), name) == known.end()) throw InputError("--response: found '" + name + "'" + did_you_mean(name, known));
+  for (const std::string& name : o.responses) {
+    sweep_response(name);
+    if (name.starts_with("difference.") && o.against.empty())
+      throw InputError("--response " + name + ": no measurement is named; expected --against RECORD[:MOTION]");
+  }
+  if (!o.against.empty()) open_motion(o.against, {});
   for (const std::string& name : o.fields) derived_field(name);
   if (!o.zone_m.empty() && !(o.zone_m.size() == 4 && o.zone_m[0] < o.zone_m[2] && o.zone_m[1] < o.zone_m[3]))
     throw InputError("--zone: expected x0,y0,x1,y1 with x0 < x1 and y0 < y1");
@@ -86,8 +89,8 @@ SweepOutcome sweep(const Case& c, const SweepOptions& given, const RunSettings& 
       if (job.folder == run.folder) run.failure = job.failure;
   for (std::size_t k = 0; k < outcome.runs.size(); ++k) {
     SweepRun& run = outcome.runs[k];
-    if (run.failure.empty()) read_responses(cases[k], options, run);
-    else run.responses.assign(options.responses.size(), std::numeric_limits<double>::quiet_NaN());
+    if (run.failure.empty()) read_responses(cases[k], options, run, progress);
+    else run.responses = run.uncertainties = std::vector<double>(options.responses.size(), std::numeric_limits<double>::quiet_NaN());
   }
   SweepPages pages = sweep_pages(c, options, variations, outcome.runs);
   outcome.files = write_pages(pages.document, "sweep", {{"sweep.csv", csv_of(options, variations, outcome.runs)}}, {table_of(options, variations, outcome.runs)}, settings.out);

@@ -17,7 +17,8 @@ namespace pivnp::app {
 struct SweepOptions {
   std::vector<std::string> vary;       // "KEY=VALUE,VALUE,..."; "KEY+KEY=..." gives several keys the same value
   bool grid = false;                   // all combinations of the values; else one key at a time beside the case's own
-  std::vector<std::string> responses;  // names of sweep_responses(); none: top_speed and run_out
+  std::vector<std::string> responses;  // names of sweep_responses(), or difference.METRIC; none: top_speed and run_out
+  std::string against;                 // the measurement that difference.METRIC compares each run with, as in CompareSources
   std::vector<double> zone_m;          // x0, y0, x1, y1: the points that start in this box; none: those of the material that moves
   std::vector<std::string> fields;     // of the last output time, drawn for each run; none: displacement_magnitude
   int jobs = 0;                        // runs at a time; 0: as many as threads
@@ -30,6 +31,8 @@ struct SweepResponse {
   std::string name, unit, text;
 };
 std::vector<SweepResponse> sweep_responses();
+/// One of them, or "difference.METRIC": a metric of the comparison with a measurement, simulated minus measured. Throws InputError.
+SweepResponse sweep_response(const std::string& name);
 
 /// One run: the values of the keys that it varies, and what came of it.
 struct SweepRun {
@@ -38,6 +41,7 @@ struct SweepRun {
   std::filesystem::path folder;     // of its record and report
   std::string failure;              // why it ended; empty: it did not
   std::vector<double> responses;    // in the order asked for; NaN: not known
+  std::vector<double> uncertainties;  // their standard uncertainties, of differences; NaN: not known
   std::vector<double> times, distance, speed, pressure;  // means over the zone's points; pressure: in their bands, where there are none in the pores; NaN without water
   bool kept = false;                // made by an earlier call
 };

@@ -78,6 +78,17 @@ double legends(Canvas* canvas, double y, const std::vector<std::string>& words, 
   return y + 4;
 }
 
+std::string words_of(const SweepResponse& response) {
+  std::string words = report::field_words(response.name);
+  if (const std::size_t dot = words.find('.'); dot != std::string::npos) words.replace(dot, 1, ": ");
+  return words;
+}
+
+std::string in_file_name(std::string key) {
+  std::replace(key.begin(), key.end(), '.', '_');
+  return key;
+}
+
 }  // namespace
 
 bool numeric(const Variation& v) {
@@ -89,6 +100,7 @@ std::vector<Swing> swings(std::size_t response, const std::vector<Variation>& va
   const double own = runs.front().responses[response];
   for (std::size_t v = 0; v < variations.size(); ++v) {
     Swing s{variations[v].name(), shown_value(variations[v].own), shown_value(variations[v].own), own, own, own};
+    if (response < runs.front().uncertainties.size()) s.sigma = runs.front().uncertainties[response];
     for (const SweepRun& run : runs) {
       if (run.values[v].empty() || !std::isfinite(run.responses[response])) continue;
       const double value = run.responses[response];
@@ -104,7 +116,7 @@ std::vector<Swing> swings(std::size_t response, const std::vector<Variation>& va
 std::pair<double, double> tornado_span(const std::vector<Swing>& all, double width_mm) {
   constexpr double beside_mm = 3;  // between a bar's end, its value and the axis
   std::vector<double> values;
-  for (const Swing& s : all) values.insert(values.end(), {s.lower, s.upper});
+  for (const Swing& s : all) values.insert(values.end(), {s.lower, s.upper, s.own - 2 * s.sigma, s.own + 2 * s.sigma});
   const auto [least, most] = span_of(values);
   double lower = least, upper = most;
   for (int pass = 0; pass < 20; ++pass) {  // what the words take grows with the span, by less than they are wide
@@ -127,7 +139,7 @@ report::Figure tornado(const SweepResponse& response, const std::vector<Swing>& 
   auto canvas = std::make_shared<Canvas>(page_mm, top + height + 14);
   Panel panel = canvas->panel(left, top, page_mm - left - 8, height);
   const auto [lower, upper] = tornado_span(all, page_mm - left - 8);
-  panel.axis(Axis::x, lower, upper, plot::axis_label(report::field_words(response.name), response.unit), 6);
+  panel.axis(Axis::x, lower, upper, plot::axis_label(words_of(response), response.unit), 6);
   panel.axis(Axis::y, 0, double(all.size()), "");
   panel.ticks(Axis::y, false).numbers(Axis::y, false);
   for (std::size_t k = 0; k < all.size(); ++k)
@@ -155,13 +167,20 @@ report::Figure tornado(const SweepResponse& response, const std::vector<Swing>& 
     if (all.empty() || !std::isfinite(all.front().own)) return;
     p.pen({plot::ink, 0.8});
     p.line(panel.at({all.front().own, 0}), panel.at({all.front().own, double(all.size())}));
+    if (!std::isfinite(all.front().sigma)) return;
+    p.pen({plot::ink, 0.5, plot::Dash::dashed});
+    for (const double side : {-2.0, 2.0}) {
+      const double at = all.front().own + side * all.front().sigma;
+      p.line(panel.at({at, 0}), panel.at({at, double(all.size())}));
+    }
   });
   report::Figure figure;
-  figure.name = "tornado_" + response.name;
+  figure.name = "tornado_" + in_file_name(response.name);
   figure.canvas = canvas;
   figure.caption = "Tornado chart: " + response.text + ". Each bar is the range over the values of one key, all others being the case's; at its ends the "
-                   "value of the key. The line is the case itself.";
-  figure.shows = "How far " + report::field_words(response.name) + " goes with each key, the widest first.";
+                   "value of the key. The line is the case itself" +
+                   (all.empty() || !std::isfinite(all.front().sigma) ? std::string(".") : std::string("; broken lines: twice its standard uncertainty to both sides."));
+  figure.shows = "How far " + words_of(response) + " goes with each key, the widest first.";
   return figure;
 }
 
@@ -196,7 +215,7 @@ report::Figure curves(const SweepResponse& response, std::size_t index, std::siz
   Panel panel = canvas->panel(16, top, page_mm - 20, 54);
   panel.pale_grid();
   const auto [lower, upper] = span_of(all_y);
-  panel.axis(Axis::y, lower, upper, plot::axis_label(report::field_words(response.name), response.unit), 5);
+  panel.axis(Axis::y, lower, upper, plot::axis_label(words_of(response), response.unit), 5);
   if (logarithmic) {
     panel.axis(Axis::x, least / 1.6, most * 1.6, variations[x].name());
     panel.logarithmic(Axis::x, least / 1.6, most * 1.6, 1).small_ticks(Axis::x);
@@ -213,12 +232,10 @@ report::Figure curves(const SweepResponse& response, std::size_t index, std::siz
     canvas->curve(panel, xs, ys, {look.rgb, 1.1, look.dash}, plot::Symbol{look.marker, {look.rgb, 0.9}, {look.rgb}, 1.6});
   }
   report::Figure figure;
-  std::string key = variations[x].name();
-  std::replace(key.begin(), key.end(), '.', '_');
-  figure.name = response.name + "_over_" + key;
+  figure.name = in_file_name(response.name) + "_over_" + in_file_name(variations[x].name());
   figure.canvas = canvas;
-  figure.caption = report::field_words(response.name) + ": " + response.text + ", over " + variations[x].name() + ".";
-  figure.shows = report::field_words(response.name) + " over the values of a key.";
+  figure.caption = words_of(response) + ": " + response.text + ", over " + variations[x].name() + ".";
+  figure.shows = words_of(response) + " over the values of a key.";
   return figure;
 }
 

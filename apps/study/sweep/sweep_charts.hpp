@@ -1,6 +1,7 @@
 // The charts of a sweep.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@ namespace pivnp::app {
 struct Swing {
   std::string key, least, most;  // values at the ends
   double lower = 0, upper = 0, own = 0;
+  double sigma = std::numeric_limits<double>::quiet_NaN();  // standard uncertainty of `own`; NaN: not known
 };
 /// Of each key, how far the response goes over its values and the case's own; the widest first. Runs that failed do not count.
 std::vector<Swing> swings(std::size_t response, const std::vector<Variation>& variations, const std::vector<SweepRun>& runs);

@@ -1,6 +1,8 @@
 #include "apps/study/sweep/sweep_pages.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/plot/canvas.hpp"
 #include "apps/study/sweep/sweep_charts.hpp"
@@ -14,9 +16,7 @@ constexpr std::size_t most_curves = 8, most_pictures = 24;
 
 std::vector<SweepResponse> asked(const SweepOptions& options) {
   std::vector<SweepResponse> all;
-  for (const std::string& name : options.responses)
-    for (const SweepResponse& r : sweep_responses())
-      if (r.name == name) all.push_back(r);
+  for (const std::string& name : options.responses) all.push_back(sweep_response(name));
   return all;
 }
 
@@ -28,6 +28,15 @@ std::string quoted(const std::string& text) {
 }
 
 std::string shown(double value) { return std::isfinite(value) ? number(value, 4) : "–"; }
+std::string shown(double value, double sigma) { return shown(value) + (std::isfinite(sigma) ? " (u = " + number(sigma, 2) + ")" : ""); }
+
+// Those with an uncertainty in some run.
+bool is_uncertain(std::size_t response, const std::vector<SweepRun>& runs) {
+  return std::any_of(runs.begin(), runs.end(), [&](const SweepRun& r) { return response < r.uncertainties.size() && std::isfinite(r.uncertainties[response]); });
+}
+double sigma_of(const SweepRun& run, std::size_t response) {
+  return response < run.uncertainties.size() ? run.uncertainties[response] : std::numeric_limits<double>::quiet_NaN();
+}
 
 report::Table table_of_runs(const std::vector<SweepResponse>& responses, const std::vector<SweepRun>& runs) {
   report::Table table;
@@ -42,7 +51,7 @@ report::Table table_of_runs(const std::vector<SweepResponse>& responses, const s
   }
   for (const SweepRun& run : runs) {
     std::vector<std::string> row = {run.label};
-    for (const double v : run.responses) row.push_back(shown(v));
+    for (std::size_t k = 0; k < run.responses.size(); ++k) row.push_back(shown(run.responses[k], sigma_of(run, k)));
     table.rows.push_back(std::move(row));
     table.notes.push_back(run.failure.empty() ? "" : "Ended: " + run.failure);
     table.marked.push_back(std::nullopt);
@@ -68,12 +77,13 @@ SweepPages sweep_pages(const Case& c, const SweepOptions& options, const std::ve
     const std::vector<Swing> all = swings(r, variations, runs);
     if (all.empty()) continue;
     const Swing& widest = all.front();
+    const std::string own = shown(widest.own, widest.sigma);
     if (!(widest.upper > widest.lower)) {
-      pages.sentences.push_back(responses[r].name + " is " + shown(widest.own) + " " + responses[r].unit +
+      pages.sentences.push_back(responses[r].name + " is " + own + " " + responses[r].unit +
                                 " with each of the values.");
       continue;
     }
-    pages.sentences.push_back(responses[r].name + " is " + shown(widest.own) + " " + responses[r].unit + "; it depends most on " + widest.key + ": " + shown(widest.lower) +
+    pages.sentences.push_back(responses[r].name + " is " + own + " " + responses[r].unit + "; it depends most on " + widest.key + ": " + shown(widest.lower) +
                               " at " + widest.least + " to " + shown(widest.upper) + " at " + widest.most + ".");
   }
   std::string lead;
@@ -110,12 +120,21 @@ SweepPages sweep_pages(const Case& c, const SweepOptions& options, const std::ve
 std::string csv_of(const SweepOptions& options, const std::vector<Variation>& variations, const std::vector<SweepRun>& runs) {
   std::string out = "run";
   for (const Variation& v : variations) out += "," + quoted(v.name());
-  for (const SweepResponse& r : asked(options)) out += "," + r.name + (r.unit.empty() ? "" : " (" + r.unit + ")");
+  const std::vector<SweepResponse> responses = asked(options);
+  for (std::size_t k = 0; k < responses.size(); ++k) {
+    const std::string unit = responses[k].unit.empty() ? "" : " (" + responses[k].unit + ")";
+    out += "," + responses[k].name + unit;
+    if (is_uncertain(k, runs)) out += ",sigma_" + responses[k].name + unit;
+  }
   out += ",folder,failure\n";
   for (const SweepRun& run : runs) {
     out += quoted(run.label);
     for (std::size_t v = 0; v < variations.size(); ++v) out += "," + quoted(run.values[v].empty() ? variations[v].own : run.values[v]);
-    for (const double value : run.responses) out += "," + (std::isfinite(value) ? number(value, 9) : "");
+    const auto add = [&](double value) { out += "," + (std::isfinite(value) ? number(value, 9) : ""); };
+    for (std::size_t k = 0; k < run.responses.size(); ++k) {
+      add(run.responses[k]);
+      if (is_uncertain(k, runs)) add(sigma_of(run, k));
+    }
     out += "," + quoted(run.folder.filename().string()) + "," + quoted(run.failure) + "\n";
   }
   return out;
@@ -134,8 +153,13 @@ io::NamedTable table_of(const SweepOptions& options, const std::vector<Variation
   const std::vector<SweepResponse> responses = asked(options);
   for (std::size_t k = 0; k < responses.size(); ++k) {
     io::TableColumn column{.name = responses[k].name, .unit = responses[k].unit};
-    for (const SweepRun& run : runs) column.numbers.push_back(run.responses[k]);
+    io::TableColumn sigma{.name = "sigma_" + responses[k].name, .unit = responses[k].unit};
+    for (const SweepRun& run : runs) {
+      column.numbers.push_back(run.responses[k]);
+      sigma.numbers.push_back(sigma_of(run, k));
+    }
     t.columns.push_back(std::move(column));
+    if (is_uncertain(k, runs)) t.columns.push_back(std::move(sigma));
   }
   texts("folder", [](const SweepRun& r) { return r.folder.filename().string(); });
   texts("failure", [](const SweepRun& r) { return r.failure; });

@@ -157,6 +157,15 @@ Value magnitude(const Value& x, const Value& y) {
   };
 }
 
+// Standard uncertainty of |u|: along u; where there is no direction yet, of one component.
+double sigma_of_displacement(State&, const MotionFrame& now, std::size_t p, std::size_t) {
+  const double uu = double(now.cov_u[p][0]), vv = double(now.cov_u[p][1]), uv = double(now.cov_u[p][2]);
+  const Vec2 u(double(now.u[p][0]), double(now.u[p][1]));
+  if (!(u.norm() > 0)) return std::sqrt((uu + vv) / 2);
+  const Vec2 e = u.normalized();
+  return std::sqrt(std::max(0.0, e.x() * e.x() * uu + e.y() * e.y() * vv + 2 * e.x() * e.y() * uv));
+}
+
 // Standard uncertainty of a strain from cov_F: first order, by differences of F.
 Value sigma_of_strain(double (*of)(const Strain&)) {
   return [of](State&, const MotionFrame& now, std::size_t p, std::size_t) {
@@ -186,11 +195,18 @@ Value sigma_of_invariant(double StrainVariance::*of) {
 }
 
 std::vector<Row> rows_of_motion() {
+  const auto sigma = [](const std::string& what, const std::string& how, const Value& value) {
+    return Row{{"sigma_displacement_" + what, "L", "standard uncertainty of displacement_" + what + ", from cov_u" + how,
+                "standard uncertainty of the displacement" + (what == "magnitude" ? std::string() : " " + what), "cov_u"}, value};
+  };
   return {
       {{"displacement_x", "L", "u_x since the first frame", "displacement x"}, displacement(0)},
       {{"displacement_y", "L", "u_y since the first frame", "displacement y"}, displacement(1)},
       {{"displacement_magnitude", "L", "|u|", "displacement"},
        [](State&, const MotionFrame& now, std::size_t p, std::size_t) { return double(std::hypot(now.u[p][0], now.u[p][1])); }},
+      sigma("x", "", [](State&, const MotionFrame& now, std::size_t p, std::size_t) { return std::sqrt(double(now.cov_u[p][0])); }),
+      sigma("y", "", [](State&, const MotionFrame& now, std::size_t p, std::size_t) { return std::sqrt(double(now.cov_u[p][1])); }),
+      sigma("magnitude", " along u; without a displacement that of a component", sigma_of_displacement),
       {{"velocity_x", "L/T", "du_x/dt, second-order differences over the frames, or the source's own"}, velocity(0)},
       {{"velocity_y", "L/T", "du_y/dt, likewise"}, velocity(1)},
       {{"velocity_magnitude", "L/T", "|v|", "velocity"}, magnitude(velocity(0), velocity(1))},
@@ -299,6 +315,13 @@ std::vector<DerivedField> derived_fields() {
 
 DerivedField derived_field(std::string_view name) { return row_of(name).field; }
 
+std::string sigma_field(std::string_view name) {
+  const std::string wanted = "sigma_" + std::string(name);
+  for (const Row& row : all_rows())
+    if (row.field.name == wanted) return wanted;
+  return "";
+}
+
 DerivedReader::DerivedReader(const MotionSource& motion, bool central)
     : state_(std::make_unique<State>(motion, central)) {}
 DerivedReader::~DerivedReader() = default;
@@ -309,7 +332,7 @@ std::vector<double> DerivedReader::values(std::string_view name, std::size_t k) 
   const std::size_t count = s.motion.particles().size();
   std::vector<double> out(count, nan_value);
   const MotionFrame now = s.frame(k);
-  if (!row.field.source.empty() && !now.find(row.field.source)) return out;
+  if (!row.field.source.empty() && particles_with(now, *motion_fields().find(row.field.source)) == 0) return out;
   if (row.sums) s.sum_to(k);
   for (std::size_t p = 0; p < count; ++p)
     if (alive(now.status[p])) out[p] = row.value(s, now, p, k);

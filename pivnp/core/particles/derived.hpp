@@ -23,12 +23,16 @@ struct DerivedField {
 /// strain_xx _yy _xy (log strain, world axes); strain_vol; strain_dev; strain_1 _2 _angle; J;
 /// strain_rate_xx _yy _xy _vol _dev _1 _2 _angle (rate of deformation);
 /// strain_dev_path (sum over frames of sqrt(2/3 de:de)); strain_sum_xx _yy _xy _dev (the thesis' summed increments);
+/// sigma_displacement_x _y _magnitude (from cov_u), sigma_strain_xx _yy _xy _vol _dev (from cov_F): standard uncertainties;
 /// mean_stress; and every recorded field beyond u, F and v (core/particles/fields.hpp), NAME or NAME_COMPONENT:
 /// stress_xx _yy _zz _xy, plastic_dev.
 std::vector<DerivedField> derived_fields();
 
 /// Throws InputError listing the nearest known name if `name` is not one.
 DerivedField derived_field(std::string_view name);
+
+/// The field that is the standard uncertainty of `name`; empty: none is.
+std::string sigma_field(std::string_view name);
 
 /// The named fields of one motion, frame after frame. Path fields (strain_dev_path, strain_sum_*) need the frames in
 /// order: reading frame k after frame j < k reads those between; going back starts again at the first.

@@ -60,6 +60,7 @@ struct Comparison {
   // Outlines at the last time, for drawing: each ring ends on its first point; material to the left of its sense.
   PerDataSet<std::vector<std::vector<Vec2>>> outlines;
   std::vector<std::string> remarks;  // how the data sets were aligned, what was left out and why; one sentence each
+  std::vector<std::string> doubts;   // likely mistakes of units, origin and axes, likewise
 
   /// nullptr: there is none of that name.
   const ComparisonTable* table(std::string_view name) const;

@@ -178,7 +178,7 @@ Homography fit_homography(const std::vector<Vec2>& pixel, const std::vector<Vec2
   m = refined(m, p, w, of_world.unscale);
   check_horizon(m, p);
   Homography out;
-  out.residual = std::sqrt(cost(m, p, w, of_world.unscale) / double(p.size()));
+  if (p.size() > 4) out.residual = std::sqrt(cost(m, p, w, of_world.unscale) / double(p.size()));  // four have no degree of freedom
 
   Mat3 back = Mat3::Identity();
   back.topLeftCorner<2, 2>() = of_world.unscale;

@@ -26,9 +26,6 @@ struct ExportFrame {
 /// there are vectors.
 std::vector<std::string> chosen_motions(const RecordReader& record, const ExportOptions& options, bool& vectors);
 
-/// Indices of `all` nearest to the times asked for, in order, each once; all if none are.
-std::vector<std::size_t> chosen_frames(const std::vector<double>& all, const std::vector<double>& asked);
-
 void for_each_frame(const RecordReader& record, const MotionSource& motion, const ExportOptions& options,
                     const std::function<void(const ExportFrame&)>& take);
 

@@ -48,7 +48,7 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
   return cells;
 }
 
-std::string unit_of(const std::string& name, const std::string& otherwise) {
+std::string unit_in_head(const std::string& name, const std::string& otherwise) {
   const std::size_t open = name.find('('), close = name.find(')', open);
   return open == std::string::npos || close == std::string::npos ? otherwise : name.substr(open + 1, close - open - 1);
 }
@@ -85,8 +85,8 @@ Curve read_curve(const std::filesystem::path& file, const std::string& column, d
 
   Curve curve;
   curve.value_name = printable(names[place]);
-  curve.value_unit = unit_of(curve.value_name, "1");
-  curve.time_unit = counted ? "s" : unit_of(printable(names[0]), "1");
+  curve.value_unit = unit_in_head(curve.value_name, "1");
+  curve.time_unit = counted ? "s" : unit_in_head(printable(names[0]), "1");
   while (next()) {
     const std::vector<std::string> cells = cells_of(line, separator);
     const auto value = [&](std::size_t k) {

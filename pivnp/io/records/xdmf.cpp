@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "pivnp/core/error.hpp"
+#include "pivnp/core/particles/derived.hpp"
 #include "pivnp/core/particles/fields.hpp"
 #include "pivnp/io/records/motion_file.hpp"
 #include "pivnp/io/records/record.hpp"
@@ -54,6 +55,29 @@ void store_positions(h5::OutputFile& out, const std::string& group, const Motion
     out.write(group + "/position/" + item_name(k), Type::f32, {count, 3}, position.data(), motion.length_unit(),
               h5::Packing::deflated);
   }
+}
+
+// What a reader looks at first, and its standard uncertainty; but for those that output.fields has stored.
+void store_computed(h5::OutputFile& out, const std::string& group, const MotionSource& motion) {
+  if (motion.times().empty()) return;
+  const MotionFrame first = motion.frame(0);
+  const std::string stored = "/motion/" + motion.name() + "/fields/";
+  std::vector<DerivedField> fields;
+  for (const char* name : {"strain_dev", "strain_vol", "sigma_displacement_magnitude", "sigma_strain_dev"}) {
+    const DerivedField field = derived_field(name);
+    const bool known = field.source.empty() || particles_with(first, *motion_fields().find(field.source)) > 0;
+    if (!known || out.source().has(stored + name)) continue;
+    out.group(group + "/" + name);
+    fields.push_back(field);
+  }
+  DerivedReader reader(motion, true);
+  for (std::size_t k = 0; k < motion.times().size() && !fields.empty(); ++k)
+    for (const DerivedField& field : fields) {
+      const std::vector<double> values = reader.values(field.name, k);
+      const std::vector<float> single(values.begin(), values.end());
+      out.write(group + "/" + field.name + "/" + item_name(k), Type::f32, {single.size()}, single.data(),
+                unit_in(field.unit, motion.length_unit(), motion.time_unit()), h5::Packing::deflated);
+    }
 }
 
 std::string escaped(const std::string& text) {
@@ -195,7 +219,9 @@ void pack_views(h5::OutputFile& out, const Grid& grid, const Units& units) {
   for (const std::string& name : names) {
     const std::string group = "/xdmf/motion/" + name, from = "/motion/" + name + "/";
     out.group(group);
-    store_positions(out, group, *open_motion(source, name, units, nullptr));
+    const auto motion = open_motion(source, name, units, nullptr);
+    store_positions(out, group, *motion);
+    store_computed(out, group, *motion);
     for (const ItemArray& a : frame_arrays(0, units, nullptr))
       if (const MotionField* field = motion_fields().find(a.name); field && field->shown_as != "")
         view_series(out, group, field->shown_as.value_or(a.name), from + a.name, a.type, a.unit, false);

@@ -7,7 +7,8 @@
 namespace pivnp::io {
 
 /// Writes /xdmf: one dataset a time and quantity, because viewers follow whole datasets only (the XDMF 3 readers fail
-/// on hyperslabs, and all of them on sums). Positions are stored; all else is a virtual dataset on what is there.
+/// on hyperslabs, and all of them on sums). Positions, strains and
+/// their standard uncertainties are stored; all else is a virtual dataset on what is there.
 void pack_views(h5::OutputFile& out, const Grid& grid, const Units& units);
 
 }  // namespace pivnp::io

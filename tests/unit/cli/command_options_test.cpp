@@ -58,6 +58,31 @@ TEST_F(CommandOptions, CompareTakesItsOptionsFromFlagsAndCases) {
   EXPECT_EQ(study.report.title, "A slope");
 }
 
+TEST_F(CommandOptions, ReportTakesLinesOfItsOwn) {
+  EXPECT_EQ(run_program({"report", "r.h5", "--set", "report.line.toe.from_m=[0.3, 0.01]", "--set", "report.line.toe.to_m=[0.45, 0.01]", "--set",
+                         "report.line.toe.field=strain_vol"}).code, 0);
+  ASSERT_EQ(fake_study().report.lines.size(), 1u);
+  EXPECT_EQ(fake_study().report.lines[0].first, "toe");
+  EXPECT_EQ((*fake_study().report.lines[0].second.to_m)[0], 0.45);
+  EXPECT_EQ(fake_study().report.lines[0].second.field, "strain_vol");
+  expect_error(run_program({"report", "r.h5", "--set", "report.line.toe.from_m=[0.3, 0.01]"}), 2,
+               "--set report.line.toe: to_m: missing, expected [x, y]\n");
+  expect_error(run_program({"report", "r.h5", "--set", "report.line.toe.form_m=[0.3, 0.01]"}), 2,
+               "--set report.line.toe.form_m=[0.3, 0.01]: this command takes no key 'report.line.toe.form_m'; did you mean 'report.line.toe.from_m'?\n");
+}
+
+TEST_F(CommandOptions, QueryPrintsWhatItIsAskedFor) {
+  const Ran ran = run_program({"query", "r.h5:np", "--points", "[[0.3, 0.01], [0.4, 0.02]]", "--fields", "strain_vol,velocity_x", "--times", "0.5",
+                               "--gauge", "0.02"});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(ran.out, "time (s),strain_dev\n");
+  EXPECT_EQ(fake_study().first, "r.h5:np");
+  ASSERT_EQ(fake_study().query.points_m.size(), 2u);
+  EXPECT_EQ(fake_study().query.fields_shown, (std::vector<std::string>{"strain_vol", "velocity_x"}));
+  EXPECT_EQ(fake_study().query.gauge_m, 0.02);
+  expect_error(run_program({"query", "r.h5:np", "--gauge", "0"}), 2, "command line: --gauge-m: found 0, expected more than 0");
+}
+
 TEST_F(CommandOptions, InitWritesACaseThatReads) {
   folder.write("lab/frames/a 1.pgm", "P5\n64 48\n255\n" + std::string(64 * 48, '\x40'));
   folder.write("lab/frames/a 2.pgm", "P5\n64 48\n255\n" + std::string(64 * 48, '\x40'));

@@ -54,12 +54,18 @@ RunOutcome report_record(const std::filesystem::path& record, const RunSettings&
   return fake_study().outcome;
 }
 
-std::vector<std::filesystem::path> export_record(const std::filesystem::path& record, const std::filesystem::path& out, bool vtkhdf,
+std::vector<std::filesystem::path> export_record(const std::filesystem::path& record, const std::filesystem::path& out, io::ExportFormat format,
                                                  const io::ExportOptions& options) {
   fake_study().first = record.string();
   fake_study().exported = options;
-  fake_study().vtkhdf = vtkhdf;
+  fake_study().format = format;
   return {out / "np.csv"};
+}
+
+std::string query_motion(const std::string& source, const QueryOptions& options) {
+  fake_study().first = source;
+  fake_study().query = options;
+  return "time (s),strain_dev\n";
 }
 
 CheckOutcome check_case(const Case& c, const RunSettings& settings, Progress& progress) {

@@ -25,8 +25,9 @@ struct FakeStudy {
   StressOptions stress;
   SweepOptions sweep;
   ElementStudy element;
+  QueryOptions query;
   io::ExportOptions exported;
-  bool vtkhdf = false;
+  io::ExportFormat format = io::ExportFormat::csv;
   std::function<void(Progress&)> work;  // what every call does: throw, report progress, wait for a stop
   RunOutcome outcome;
   std::vector<VerifyResult> verdicts;  // handed out one after the other

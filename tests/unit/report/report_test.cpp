@@ -121,6 +121,43 @@ TEST_F(Report, Full) {
   EXPECT_NE(html_.find("pivnp run datasets/gate_slope"), std::string::npos);
 }
 
+// Page one shows the motion where nothing is compared, and says plainly where most particles were lost; those that left the view
+// were not.
+TEST_F(Report, PageOneOfAMeasurement) {
+  SyntheticOptions o;
+  o.simulated = o.comparison = o.energy = false;
+  o.spacing_m = 0.02;
+  o.frames = 4;
+  Synthetic s = make_synthetic(o);
+  const auto page_one = [&] { return html_.substr(0, html_.find(">What was flagged</h2>")); };
+  const auto ending = [&](EndReason reason, double share) {
+    ParticleSet set = s.content.measured->particles();
+    const std::size_t lost = std::size_t(share * double(set.size()));
+    for (std::size_t p = 0; p < lost; ++p) set.end_reason[p] = reason, set.end[p] = s.content.measured->times()[1];
+    auto motion = std::make_shared<MotionMemory>("np", "m", "s", set);
+    for (std::size_t k = 0; k < s.content.measured->times().size(); ++k) {
+      MotionFrame f = s.content.measured->frame(k);
+      for (std::size_t p = 0; k > 1 && p < lost; ++p) f.status[p] = ParticleStatus::ended;
+      motion->add(f);
+    }
+    return motion;
+  };
+  const auto whole = s.content.measured;
+  write(s);
+  EXPECT_EQ(occurrences(page_one(), "<img"), 1u);
+  EXPECT_TRUE(has_figure("motion"));
+  EXPECT_NE(page_one().find("Displacement at "), std::string::npos);
+  EXPECT_EQ(page_one().find("not usable"), std::string::npos);
+  const auto lost = ending(EndReason::no_vectors, 0.7), left = ending(EndReason::left_image, 0.7);
+  s.content.measured = lost;
+  write(s);
+  EXPECT_NE(page_one().find("This measurement is not usable as it is: only "), std::string::npos);
+  EXPECT_NE(page_one().find("% of the particles were followed to the end"), std::string::npos);
+  s.content.measured = left;
+  write(s);
+  EXPECT_EQ(page_one().find("not usable"), std::string::npos);
+}
+
 TEST_F(Report, MeasurementOnly) {
   SyntheticOptions o;
   o.simulated = o.energy = false;
@@ -311,6 +348,7 @@ TEST_F(Report, HardwareLinesAndGauge) {
   Synthetic s = make_synthetic(o);
   s.content.hardware = {{"Camera", "an old <film> camera"}};
   s.content.setup = {{"Interpolant of the images", "quintic B-spline"}};
+  s.content.simulated_setup = {{"Material sand", "mohr coulomb; friction 37.5 deg"}};
   s.content.gauge = 0.03;
   ReportOptions options;
   options.lines = {{"crest", {LineType::extensometer, Pair{0.05, 0.2}, Pair{0.15, 0.2}, "displacement_magnitude"}},
@@ -319,7 +357,7 @@ TEST_F(Report, HardwareLinesAndGauge) {
   write(s, options);
   EXPECT_TRUE(has_figure("line_crest") && has_figure("line_toe") && has_figure("uncertainty") && has_figure("geometry"));
   EXPECT_FALSE(has_figure("line_nowhere"));
-  for (const char* text : {"an old &lt;film&gt; camera", "quintic B-spline", "0.500 mm a pixel", "0.080 px = 40 \u00b5m", "Strains over circles of 30.0 mm"})
+  for (const char* text : {"an old &lt;film&gt; camera", "mohr coulomb; friction 37.5 deg", "quintic B-spline", "0.500 mm a pixel", "0.080 px = 40 \u00b5m", "Strains over circles of 30.0 mm"})
     EXPECT_NE(html_.find(text), std::string::npos) << text;
   write(s);
   EXPECT_FALSE(has_figure("line_crest"));

@@ -2,6 +2,7 @@
 // sides cannot be compared.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -75,6 +76,53 @@ TEST_F(Records, ReportedAgainAsIsAskedFor) {
   EXPECT_NE(html.find("<h1>asked for</h1>"), std::string::npos);
   EXPECT_TRUE(fs::exists(scratch.path / "again" / "figures" / "velocity_x.svg"));
   EXPECT_FALSE(fs::exists(scratch.path / "again" / "figures" / "deviatoric_strain.svg"));
+}
+
+// Particles moved by 0.25 a second along x: 0.5 at the end, wherever it is asked for.
+TEST_F(Records, AreAskedForValuesAtPlaces) {
+  const std::string lab = tracks("lab.csv", 8, 0.25);
+  QueryOptions at;
+  at.fields_shown = {"displacement_x"};
+  at.points_m = {{3.3, 4.4}, {1.1, 2.2}};
+  at.times_s = {2};
+  EXPECT_EQ(query_motion(lab, at), "time (s),x0 (m),y0 (m),x (m),y (m),status,displacement_x (m),sigma_displacement_x (m)\n"
+                                   "2,3.3,4.4,3.8,4.4,1,0.5,\n"
+                                   "2,1.1,2.2,1.6,2.2,1,0.5,\n");
+  QueryOptions mean;
+  mean.fields_shown = {"velocity_x"};
+  mean.rectangle_m = {{6, 6}, {2, 4}};
+  EXPECT_EQ(query_motion(lab, mean), "time (s),x0 (m),y0 (m),x (m),y (m),status,velocity_x (m/s)\n"
+                                     "0,4,5,4,5,1,0.25\n"
+                                     "1,4,5,4.25,5,1,0.25\n"
+                                     "2,4,5,4.5,5,1,0.25\n");
+  QueryOptions line;
+  line.fields_shown = {"displacement_x"};
+  line.line_m = {{1, 1}, {3, 1}};
+  const std::string along = query_motion(lab, line);
+  EXPECT_EQ(std::count(along.begin(), along.end(), '\n'), 122);
+  EXPECT_NE(along.find("\n2,2,3,1,0.5,\n"), std::string::npos) << along;
+  QueryOptions strain;
+  strain.extensometer_m = {{1.5, 1.5}, {5.5, 1.5}};
+  strain.times_s = {1};
+  EXPECT_EQ(query_motion(lab, strain).substr(0, 31), "time (s),strain,sigma_strain\n1,");
+
+  const auto fault = [&](const QueryOptions& options) {
+    try {
+      query_motion(lab, options);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(fault({}), "query: found 0 kinds of place, expected one of --points-m, --line-m, --rectangle-m and --extensometer-m");
+  at.points_m = {{3, 3}, {30, 3}};
+  EXPECT_EQ(fault(at), "--points-m (30, 3): no particle of the first frame is there");
+  line.line_m = {{1, 1}};
+  EXPECT_EQ(fault(line), "--line-m: found 1 point, expected two");
+  line.line_m = {{21, 1}, {23, 1}};
+  EXPECT_EQ(fault(line), "--line-m: no particle is beside it at the times that are asked for");
+  at.fields_shown = {"strain_dve"};
+  EXPECT_NE(fault(at).find("strain_dev"), std::string::npos);
 }
 
 // One motion alone, by name, is shown without the comparison; one that the record lacks is refused.

@@ -108,7 +108,16 @@ TEST(Sweep, RunsItsCasesAndKeepsThem) {
   SweepOptions options;
   options.program = PIVNP_PROGRAM;
   options.vary = {"mpm.gravity_m_s2=[0.0, -10.0],[0.0, -20.0]", "material.block.young_pa=2e5"};
-  options.responses = {"top_speed", "displacement", "failure_time"};
+  options.responses = {"top_speed", "displacement", "failure_time", "difference.displacement_rms"};
+  {  // a block that falls as under 5.5 m/s^2, known to 0.1 mm
+    std::ofstream tracks(folder.path / "lab.csv");
+    tracks << "time,id,x,y\n";
+    for (int k = 0; k <= 5; ++k)
+      for (int p = 0; p < 64; ++p)
+        tracks << 0.02 * k << "," << p << "," << 0.2 + 0.025 * (p % 8 + 0.5) << "," << 0.6 + 0.025 * (p / 8 + 0.5) - 2.75 * std::pow(0.02 * k, 2) << "\n";
+  }
+  options.against = "csv=" + (folder.path / "lab.csv").string();
+  options.given = {"compare.measurement_uncertainty_m=1e-4"};
   RunSettings settings;
   settings.out = folder.path / "out";
   settings.threads = 2;
@@ -120,6 +129,17 @@ TEST(Sweep, RunsItsCasesAndKeepsThem) {
   EXPECT_NEAR(first.runs[0].responses[1], 0.025, 0.001);  // g t^2/2
   EXPECT_TRUE(std::isnan(first.runs[0].responses[2]));
   EXPECT_NEAR(first.runs[3].responses[0], 0.5, 0.01);
+  // Half of (g - 5.5 m/s^2) t^2: 2.5 mm at the end for 5 m/s^2, 22.5 for 10.
+  EXPECT_GT(first.runs[0].responses[3], 0.5e-3);
+  EXPECT_LT(first.runs[0].responses[3], 2.6e-3);
+  EXPECT_NEAR(first.runs[1].responses[3] / first.runs[0].responses[3], 9, 0.5);
+  EXPECT_GT(first.runs[0].uncertainties[3], 0);
+  EXPECT_LT(first.runs[0].uncertainties[3], 1e-3);
+  EXPECT_TRUE(std::isnan(first.runs[0].uncertainties[0]));
+  std::ifstream csv(settings.out / "sweep.csv");
+  std::string head;
+  std::getline(csv, head);
+  EXPECT_THAT(head, HasSubstr(",failure_time (s),difference.displacement_rms (m),sigma_difference.displacement_rms (m),folder"));
   for (const char* name : {"sweep.html", "sweep.pdf", "sweep.csv", "sweep.h5", "tornado_top_speed.svg", "tornado_top_speed.png"})
     EXPECT_TRUE(std::filesystem::exists(settings.out / name)) << name;
   options.grid = true;  // of which all values but one were run already
@@ -161,6 +181,9 @@ TEST(Sweep, RefusesWhatItCannotDo) {
   EXPECT_THAT(told([](SweepOptions& o) { o.vary = {"mpm.dampling=0.1"}; }), HasSubstr("did you mean 'damping'"));
   EXPECT_THAT(told([](SweepOptions& o) { o.responses = {"top_sped"}; }), HasSubstr("did you mean 'top_speed'"));
   EXPECT_THAT(told([](SweepOptions& o) { o.fields = {"pressur"}; }), HasSubstr("pressure"));
+  EXPECT_THAT(told([](SweepOptions& o) { o.responses = {"difference.displacement_rsm"}; }), HasSubstr("did you mean 'difference.displacement_rms'"));
+  EXPECT_THAT(told([](SweepOptions& o) { o.responses = {"difference.displacement_rms"}; }), HasSubstr("expected --against RECORD[:MOTION]"));
+  EXPECT_THAT(told([](SweepOptions& o) { o.against = "nothing.h5:np"; }), HasSubstr("nothing.h5"));
   EXPECT_THAT(told([](SweepOptions& o) { o.zone_m = {1, 0, 0, 1}; }), HasSubstr("--zone"));
 }
 

@@ -49,6 +49,7 @@ OpenedMotion open_motion(const std::string& text, const io::ImportOptions& forei
   std::shared_ptr<MotionSource> found = motion_of(record, file.string(), motion);
   std::optional<StrainNote> note = record.strain_note(found->name());
   OpenedMotion out{record.head(), std::move(found), std::move(note)};
+  out.central = record.pair_count() == 0 || record.pair(0).anchor == Anchor::central;
   const std::vector<std::string> names = record.motion_names();
   for (int level = 1; out.motion->name() == "mpm"; ++level) {
     if (std::find(names.begin(), names.end(), coarser_motion(level)) == names.end()) break;

@@ -22,6 +22,7 @@ struct OpenedMotion {
   std::shared_ptr<MotionSource> motion;
   std::optional<StrainNote> note;
   std::vector<std::shared_ptr<MotionSource>> coarser = {};  // of the record's mesh study, the finer grid first
+  bool central = true;  // the vectors that it follows; decides the summed strain only
 
   /// Of the camera's targets, if this motion was measured (it then carries a covariance).
   double residual() const;

@@ -9,6 +9,7 @@
 #include "apps/report/animation.hpp"
 #include "apps/report/report.hpp"
 #include "apps/study/pipeline/record/remarks.hpp"
+#include "apps/study/pipeline/record/simulation_setup.hpp"
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/text.hpp"
@@ -95,6 +96,17 @@ std::vector<std::pair<std::string, std::string>> setup_of(const Case& c, const i
   else if (!twos && record.head().time_unit == "s" && frames.size() > 1)
     text += ", " + number(double(frames.size() - 1) / (frames.back().time - frames.front().time), 4) + " a second";
   rows.emplace_back("Frames", text);
+  if (const std::size_t targets = c.camera.points_px.size(); targets > 0)
+    rows.emplace_back("Targets of the camera", std::to_string(targets) + (targets == 4 ? ", no degree of freedom: their residual is not known"
+                                                                                       : ", " + std::to_string(2 * targets - 8) + " degrees of freedom"));
+  if (!c.vectors && c.camera.lens != image::LensModel::none) {
+    std::string lens(name_of(c.camera.lens));
+    for (const double k : c.camera.distortion) lens += (lens.find(',') == std::string::npos ? ", distortion " : " ") + number(k, 4);
+    if (c.camera.lens_rms_px > 0) lens += ", residual " + number(c.camera.lens_rms_px, 2) + " px";
+    rows.emplace_back("Distortion of the lens, corrected", lens);
+  }
+  if (!c.vectors && c.camera.window_thickness_m > 0)
+    rows.emplace_back("Refraction by a window, corrected", number(c.camera.window_thickness_m, 4) + " m, index " + number(c.camera.window_index, 4));
   if (c.vectors) {
     rows.emplace_back("Correlation", "another program's vectors (" + c.vectors->format + ")");
   } else {
@@ -185,6 +197,9 @@ void draw_report(const Case& c, const io::RecordReader& record, RunOutcome& outc
   input.comparison = std::move(comparison);
   input.compared = c.compare;
   input.setup = setup_of(c, record);
+  const std::vector<std::string> motions = record.motion_names();
+  if (std::find(motions.begin(), motions.end(), "mpm") != motions.end())
+    input.simulated = simulation_setup(c, record.head().grid.spacing.x(), record.motion("mpm")->particles().size());
   input.runs = runs_of(c, record);
   if (record.pair_count() > 0) {
     input.pictures = pictures(c, record, source);
@@ -210,6 +225,7 @@ void tell_record(const Case& c, RunOutcome& outcome, std::optional<Comparison> c
                  const fs::path& directory, bool draw) {
   const io::RecordReader record(outcome.record, io::Trust::known);  // just written, or read before
   for (Remark& remark : remarks_of(record)) outcome.remarks.push_back(std::move(remark));
+  if (comparison) append(comparison->doubts, outcome.remarks, RemarkWeight::doubt);
   std::vector<std::string> notes = comparison ? comparison->remarks : std::vector<std::string>{};
   if (draw) draw_report(c, record, outcome, std::move(comparison), source, directory);
   append(std::move(notes), outcome.remarks);

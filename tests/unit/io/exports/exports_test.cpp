@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <string>
@@ -119,6 +120,60 @@ TEST_F(Exported, WhatIsNotThereIsRefused) {
   const RecordReader reader(record);
   EXPECT_THROW(export_csv(reader, {.motions = {"nobody"}, .fields = {}, .times = {}}, scratch.path), InputError);
   EXPECT_THROW(export_csv(reader, {.motions = {}, .fields = {"strain_dve"}, .times = {}}, scratch.path), InputError);
+}
+
+// A series that VTK 9.1 reads: each time with the particles that are followed then.
+TEST_F(Exported, VtkReadsASeriesOfTimes) {
+  const RecordReader reader(record);
+  const auto files = export_vtu(reader, {.motions = {"np"}, .fields = {"strain_dev"}, .times = {}}, scratch.path);
+  ASSERT_EQ(files, std::vector<fs::path>{scratch.path / "np.pvd"});
+  const auto motion = reader.motion("np");
+  std::ifstream in(files[0]);
+  const std::string listed{std::istreambuf_iterator<char>(in), {}};
+  for (std::size_t k = 0; k < motion->times().size(); ++k) {
+    const std::string name = "np/np_00000" + std::to_string(k) + ".vtu";
+    EXPECT_TRUE(fs::exists(scratch.path / name));
+    EXPECT_NE(listed.find("file=\"" + name + "\""), std::string::npos);
+  }
+  const std::string python = fs::exists("/usr/bin/python3") ? "/usr/bin/python3" : "python3";
+  if (std::system((python + " -c 'import vtkmodules.vtkIOXML, numpy' > /dev/null 2>&1").c_str()) != 0) GTEST_SKIP() << "python3-vtk9 is not installed";
+  FILE* pipe = ::popen((python + " " PIVNP_EXPORT_TESTS "/read_pvd.py " + files[0].string() + " 2> /dev/null").c_str(), "r");
+  std::string text;
+  char buffer[4096];
+  for (std::size_t n = 0; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) text.append(buffer, n);
+  EXPECT_EQ(::pclose(pipe), 0) << text;
+  std::istringstream out(text);
+  DerivedReader derived(*motion, true);
+  for (std::size_t k = 0; k < motion->times().size(); ++k) {
+    const MotionFrame frame = motion->frame(k);
+    const std::vector<double> strain = derived.values("strain_dev", k);
+    std::map<std::string, double> expected;
+    std::size_t followed = 0;
+    for (std::size_t p = 0; p < frame.u.size(); ++p) {
+      if (frame.status[p] != ParticleStatus::active && frame.status[p] != ParticleStatus::flagged) continue;
+      ++followed;
+      expected["displacement"] += double(frame.u[p][0]) + double(frame.u[p][1]);
+      expected["Points"] += motion->particles().x0[p].sum() + double(frame.u[p][0]) + double(frame.u[p][1]);
+      expected["id"] += double(motion->particles().id[p]);
+      expected["status"] += double(frame.status[p]);
+      expected["strain_dev"] += std::isfinite(strain[p]) ? strain[p] : 0;
+      if (frame.cov_u.empty()) continue;
+      const double sigma = std::sqrt((double(frame.cov_u[p][0]) + double(frame.cov_u[p][1])) / 2);
+      expected["sigma"] += std::isfinite(sigma) ? sigma : 0;
+    }
+    double time = 0;
+    std::size_t points = 0, vertices = 0, arrays = 0;
+    out >> time >> points >> vertices >> arrays;
+    EXPECT_EQ(time, motion->times()[k]);
+    EXPECT_EQ(points, followed);
+    EXPECT_EQ(vertices, followed);
+    std::map<std::string, double> found;
+    for (std::string name; arrays > 0 && out >> name; --arrays) out >> found[name];
+    for (const auto& [key, value] : expected) {
+      ASSERT_TRUE(found.contains(key)) << key << "\n" << text;
+      EXPECT_NEAR(found[key], value, 1e-5 * (1 + std::abs(value))) << key;
+    }
+  }
 }
 
 TEST_F(Exported, VtkReadsTheRecordsNumbers) {

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "gmock/gmock.h"
+#include "pivnp/core/particles/derived.hpp"
 #include "sample.hpp"
 
 namespace pivnp::io {
@@ -92,7 +93,11 @@ TEST(ViewerTest, TheXdmfLibraryReadsTimesPositionsAndAttributes) {
       expect_values(grids[k].values.at("status"), status, "status");
       expect_values(grids[k].values.at("id"), id, "id");
       expect_values(grids[k].values.at("label"), label, "label");
-      EXPECT_EQ(grids[k].values.at("strain_dev").size(), size.particles);
+      DerivedReader derived(*motion, true);
+      for (const char* field : {"strain_dev", "strain_vol"}) expect_values(grids[k].values.at(field), derived.values(field, k), field);
+      EXPECT_EQ(grids[k].values.contains("sigma_displacement_magnitude"), !f.cov_u.empty());
+      if (!f.cov_u.empty())
+        expect_values(grids[k].values.at("sigma_displacement_magnitude"), derived.values("sigma_displacement_magnitude", k), "sigma");
       EXPECT_EQ(grids[k].values.contains("stress"), simulated);
     }
   }

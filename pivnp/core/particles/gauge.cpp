@@ -1,4 +1,4 @@
-#include "apps/report/content/gauge.hpp"
+#include "pivnp/core/particles/gauge.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "pivnp/core/particles/alive.hpp"
 #include "pivnp/core/particles/fields.hpp"
 
-namespace pivnp::report {
+namespace pivnp {
 
 namespace {
 
@@ -85,4 +85,4 @@ std::shared_ptr<const MotionSource> with_gauge(std::shared_ptr<const MotionSourc
   return std::make_shared<Gauged>(std::move(motion), gauge);
 }
 
-}  // namespace pivnp::report
+}  // namespace pivnp
