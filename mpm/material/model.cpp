@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "mpm/material/cam_clay.hpp"
 #include "mpm/material/drucker_prager.hpp"
 #include "mpm/material/elastic.hpp"
 #include "mpm/material/mohr_coulomb.hpp"
@@ -140,7 +141,8 @@ Registry<MaterialModel>& material_models() {
   static Registry<MaterialModel> models = [] {
     Registry<MaterialModel> all = {linear_elastic_model(),      neo_hookean_model(),    von_mises_model(),
                                    tresca_model(),              mohr_coulomb_model(),   smooth_mohr_coulomb_model(),
-                                   drucker_prager_model(),      mu_i_model(),           water_model()};
+                                   drucker_prager_model(),      modified_cam_clay_model(), mu_i_model(),
+                                   water_model()};
     for (const MaterialModel& model : all) list_recorded(model);
     return all;
   }();

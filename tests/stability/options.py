@@ -98,6 +98,8 @@ ZONE = "[[0.02, 0.02], [0.07, 0.02], [0.07, 0.06], [0.02, 0.06]]"
 RAMP = {"gravity_from_m_s2": "[0.0, -5.0]", "gravity_ramp_s": "0.01"}
 MU_I = SAND | {"model": '"mu_i"', "friction_deg": "25.0", "friction_flow_deg": "33.0", "grain_diameter_m": "1e-3", "cohesion_pa": None}
 CLAY = {"model": '"tresca"', "shear_strength_pa": "1e5"}
+CAM_CLAY = {"model": '"modified_cam_clay"', "young_pa": None, "friction_deg": "25.0", "lambda": "0.2", "kappa": "0.04", "void_ratio": "1.2",
+            "preconsolidation_pa": "20e3"}
 WATER = {"model": '"water"', "young_pa": None, "bulk_pa": "1e6"}
 SOFT = SAND | {"softening_shape": "5.0", "friction_residual_deg": "30.0"}
 DENSER = {"density_end_kg_m3": "1600.0", "density_until_s": "0.02"}
@@ -107,7 +109,7 @@ FIELDS = '["displacement_x", "strain_1", "strain_dev_path", "velocity_magnitude"
 
 LAWS = {"linear_elastic": {}, "neo_hookean": {"model": '"neo_hookean"'}, "von_mises": CLAY | {"model": '"von_mises"'},
         "tresca": CLAY, "mohr_coulomb": SAND, "mohr_coulomb_smooth": SAND | {"model": '"mohr_coulomb_smooth"'},
-        "drucker_prager": SAND | {"model": '"drucker_prager"'}, "mu_i": MU_I, "water": WATER}
+        "drucker_prager": SAND | {"model": '"drucker_prager"'}, "modified_cam_clay": CAM_CLAY, "mu_i": MU_I, "water": WATER}
 NO_EQUILIBRIUM = ("neo_hookean", "water", "mu_i")  # the last, without cohesion, does not stand as a block
 
 # Of keys: values, or (value, what else the section holds, what other sections hold).
@@ -125,6 +127,8 @@ MATERIAL = {
     "apex_pa": [("20.0", SAND | {"model": '"mohr_coulomb_smooth"'})],
     "friction_flow_deg": [("34.0", MU_I, AT_ONCE)], "inertial_number": [("0.3", MU_I, AT_ONCE)], "grain_diameter_m": [("2e-3", MU_I, AT_ONCE)],
     "grain_density_kg_m3": [("2700.0", MU_I, AT_ONCE)],
+    "lambda": [("0.25", CAM_CLAY)], "kappa": [("0.05", CAM_CLAY)], "void_ratio": [("1.3", CAM_CLAY)], "ocr": [("2.0", CAM_CLAY)],
+    "preconsolidation_pa": [("30e3", CAM_CLAY)],
     "bulk_pa": [("2e6", WATER, AT_ONCE)], "viscosity_pa_s": [("1.0", WATER, AT_ONCE)],
     "density_end_kg_m3": [("1650.0", DENSER)], "density_from_s": [("0.005", DENSER)], "density_until_s": [("0.015", DENSER)],
     "reduction_factor": [("1.2", SAND)], "reduction_from_s": [("0.005", WEAKER)], "reduction_until_s": [("0.015", WEAKER)],
