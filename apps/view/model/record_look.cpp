@@ -145,7 +145,7 @@ ParticlePicture RecordLook::difference(const ParticlePicture& first, const Parti
   for (std::size_t p = 0; p < out.field.value.size(); ++p) {
     const auto other = where.find(of_first.particles().id[p]);
     const bool same = other != where.end() && (of_second.particles().x0[other->second] - of_first.particles().x0[p]).norm() <=
-                                                  0.01 * report::particle_spacing(of_first.particles(), p);
+                                                  0.01 * particle_spacing(of_first.particles(), p);
     out.field.value[p] = same && other->second < second.field.value.size() ? second.field.value[other->second] - first.field.value[p] : nan_value;
   }
   return out;
@@ -160,7 +160,7 @@ History RecordLook::history(const std::string& name, const ParticlePicture& show
     const double d = (shown.field.position[p] - place).norm();
     if (best == particles.size() || d < nearest) best = p, nearest = d;
   }
-  if (best == particles.size() || nearest > 3 * report::particle_spacing(particles, best))
+  if (best == particles.size() || nearest > 3 * particle_spacing(particles, best))
     throw InputError(name + ": no particle is followed at (" + number(place.x(), 4) + ", " + number(place.y(), 4) + ") " + head_.length_unit);
   History out;
   out.x0 = particles.x0[best];
