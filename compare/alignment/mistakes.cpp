@@ -96,7 +96,7 @@ std::string likely_mistake(const MaterialMesh& first, double spacing_first, cons
   const Body one = body_alone(first, spacing_first), two = body_alone(second, spacing_second);
   if (!(one.area > 0) || !(two.area > 0)) return "";
   const double ratio = std::sqrt(one.area / two.area);
-  const double spacing = std::max(spacing_first, spacing_second * (ratio > 2 || ratio < 0.5 ? ratio : 1));  // other units: in those of the first
+  const double spacing = std::max(spacing_first, spacing_second * ratio);
   // Outlines far from each other, or of quite different size, need no lattice around both.
   const auto far = [&](const Change& change) {
     const double area = two.area * std::abs(change.A.determinant());

@@ -55,6 +55,9 @@ TEST(Mistakes, AreNamed) {
       {"mirror", [](const Vec2& x) { return Vec2(2 - x.x(), x.y()); }, "from left to right"},
       {"mm", [](const Vec2& x) { return Vec2(1000 * x); }, "unit of length"},
       {"cm", [](const Vec2& x) { return Vec2(0.01 * x); }, "unit of length"},
+      {"6 % larger", [](const Vec2& x) { return Vec2(1.06 * x); }, "% smaller in both directions"},
+      {"12 % larger", [](const Vec2& x) { return Vec2(1.12 * x); }, "% smaller in both directions"},
+      {"a fifth smaller", [](const Vec2& x) { return Vec2(0.8 * x); }, "% larger in both directions"},
       {"turn", turn(6), "turned by -5"},
   };
   for (const auto& c : cases) {
