@@ -11,7 +11,6 @@ void sharpen_bends(int nx, int ny, std::vector<std::array<float, 2>>& bends) {
     return bends[std::size_t(std::clamp(j, 0, ny - 1)) * std::size_t(nx) + std::size_t(std::clamp(i, 0, nx - 1))];
   };
   std::vector<std::array<float, 2>> squares(bends.size());  // of the differences, of L
-#pragma omp parallel for schedule(static) if (bends.size() > 4096)
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
       std::array<float, 2> out{0, 0};
@@ -22,7 +21,6 @@ void sharpen_bends(int nx, int ny, std::vector<std::array<float, 2>>& bends) {
       }
       squares[std::size_t(j) * std::size_t(nx) + std::size_t(i)] = out;
     }
-#pragma omp parallel for schedule(static) if (bends.size() > 4096)
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
       float differences = 0, bent = 0;
