@@ -196,8 +196,8 @@ Comparison compare_sets(const MotionSource& first_motion, const MotionSource& se
   Comparison out;
   out.names = {first_motion.name(), second_motion.name()};
   remark_alignment(alignment, first, second, common, out.remarks);
-  const std::string mistake = alignment.by_identity() ? std::string()
-                                                      : likely_mistake(start_first, first.median_spacing(), start_second, second.median_spacing(), first_motion.length_unit());
+  const std::string mistake =
+      likely_mistake(start_first, first.median_spacing(), start_second, second.median_spacing(), first_motion.length_unit());
   if (!mistake.empty()) out.doubts.push_back(mistake);
   Differences differences(paired_particles(alignment, first, second, mistake), first, common.times.size(), options, notes,
                           together.time ? together.time->sigma : 0);

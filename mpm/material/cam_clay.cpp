@@ -6,6 +6,7 @@
 
 #include "mpm/material/strength.hpp"
 #include "pivnp/core/math.hpp"
+#include "pivnp/core/text.hpp"
 
 namespace pivnp::mpm {
 
@@ -16,6 +17,9 @@ constexpr HistoryVariable preconsolidation{.name = "preconsolidation",
                                            .definition = "preconsolidation pressure p_c of modified Cam-Clay",
                                            .recorded = Recorded::declared,
                                            .label = "preconsolidation pressure"};
+// Of preconsolidation_pa: the law sees p larger by this tension, or from none no pressure would be reached on the swelling line.
+constexpr double tension_share = 1e-3, least_share = 1e-12;
+constexpr double most_poisson = 0.45;    // G in proportion to p turns volume into shear energy, and the more of it the nearer to 1/2
 constexpr std::size_t memory = 2;  // its place in the history, after strain and work
 
 // p, q and Lode's angle of a stress, tension positive.
@@ -64,6 +68,7 @@ double part_of_way(double at_start, double scale, Residual&& residual) {
 
 void check_cam_clay(const MaterialOptions& o) {
   require(o.friction_deg > 0, "friction_deg", o.friction_deg, "an angle above 0 (of the critical state)");
+  require(o.poisson <= most_poisson, "poisson", o.poisson, "at most " + number(most_poisson) + " with modified_cam_clay");
   const double lambda = *o.own_value("lambda"), kappa = *o.own_value("kappa");
   require(kappa < lambda, "kappa", kappa, "less than lambda");
   if (o.porosity.has_value() == o.own_value("void_ratio").has_value())
@@ -105,7 +110,8 @@ ModifiedCamClay::ModifiedCamClay(const Constants& constants)
       c_(constants),
       specific_volume_(1 + constants.void_ratio),
       shear_per_bulk_(modulus_ratio(constants.poisson)),
-      least_p_(1e-12 * constants.preconsolidation_pa) {
+      tension_(tension_share * constants.preconsolidation_pa),
+      least_p_(least_share * constants.preconsolidation_pa) {
   const double sine = std::sin(radians(c_.friction_deg));
   slope_ = 6 * sine / (3 - sine);
   third_ = std::pow((3 - sine) / (3 + sine), 4);
@@ -120,21 +126,24 @@ void ModifiedCamClay::update_point(const StressBatch& b, std::size_t k) const {
   Stress s = rotated(b, k);
   for (double* component : {&s.xx, &s.yy, &s.zz, &s.xy}) *component /= J_before;
   Meridian now = meridian_of(s);
+  double mean = now.p;
+  now.p += tension_;
   double& p_c = b.history[memory][k];
   if (p_c == 0) {
     const double p = std::max(now.p, least_p_), ratio = std::min(now.q / slope(now.sin3), p);
     p_c = std::max(c_.preconsolidation_pa, c_.ocr * (p + ratio * ratio / p));
   }
-  if (now.p < least_p_) {  // no tension, and no shear without pressure
-    s = {-least_p_, -least_p_, -least_p_, 0};
+  if (now.p < least_p_) {  // no shear without pressure
+    s = {0, 0, 0, 0};
+    mean = 0;
     now = {least_p_, 0, 1};
   }
   // The elastic trial; v in the middle of the step, G by the mean of p.
   const double v = specific_volume_ * J_before * std::exp(0.5 * volume), per_kappa = v / c_.kappa;
   const double p_trial = std::max(now.p * std::exp(-per_kappa * volume), least_p_);
   const double shear = shear_per_bulk_ * per_kappa * 0.5 * (now.p + p_trial), third = volume / 3;
-  const Stress dev{s.xx + now.p + 2 * shear * (b.de_xx[k] - third), s.yy + now.p + 2 * shear * (b.de_yy[k] - third),
-                   s.zz + now.p + 2 * shear * (b.de_zz[k] - third), s.xy + 2 * shear * b.de_xy[k]};
+  const Stress dev{s.xx + mean + 2 * shear * (b.de_xx[k] - third), s.yy + mean + 2 * shear * (b.de_yy[k] - third),
+                   s.zz + mean + 2 * shear * (b.de_zz[k] - third), s.xy + 2 * shear * b.de_xy[k]};
   const Meridian trial = meridian_of(dev);
   const double M = slope(trial.sin3), per_M2 = 1 / (M * M);
   double p = p_trial, keep = 1;
@@ -157,7 +166,8 @@ void ModifiedCamClay::update_point(const StressBatch& b, std::size_t k) const {
     b.history[plastic::strain][k] += 2 * multiplier * keep * trial.q * per_M2;
   }
   const Stress before{b.xx[k], b.yy[k], b.zz[k], b.xy[k]};
-  store(b, k, {J * (keep * dev.xx - p), J * (keep * dev.yy - p), J * (keep * dev.zz - p), J * keep * dev.xy});
+  mean = p - tension_;
+  store(b, k, {J * (keep * dev.xx - mean), J * (keep * dev.yy - mean), J * (keep * dev.zz - mean), J * keep * dev.xy});
   // What was done and is not stored: with this, energy() closes the balance whatever path was taken.
   const Stress from = turned_by(b.spin[k], before);
   const double done = 0.5 * ((from.xx + b.xx[k]) * b.de_xx[k] + (from.yy + b.yy[k]) * b.de_yy[k] + (from.zz + b.zz[k]) * b.de_zz[k]) +
@@ -181,11 +191,11 @@ void ModifiedCamClay::update(const StressBatch& batch) const {
   }
 }
 
-// J (kappa p/v + q^2/(6 G)), v = v0 J.
+// J (kappa/v (p - a - a ln(p/a)) + q^2/(6 G)), v = v0 J, with p larger by the tension a.
 double ModifiedCamClay::stored(const Stress& tau, double J) const {
   const Meridian at = meridian_of(tau);
-  if (!(at.p > J * least_p_)) return 0;
-  return c_.kappa / (specific_volume_ * J) * (at.p + at.q * at.q / (6 * shear_per_bulk_ * at.p));
+  const double p = std::max(at.p / J + tension_, least_p_), q = at.q / J;
+  return c_.kappa / specific_volume_ * (p - tension_ - tension_ * std::log(p / tension_) + q * q / (6 * shear_per_bulk_ * p));
 }
 
 double ModifiedCamClay::energy(const StressBatch& batch, std::size_t k) const {

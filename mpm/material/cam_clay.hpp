@@ -31,12 +31,12 @@ class ModifiedCamClay final : public Material {
  private:
   void find_start(const StressBatch& batch, std::size_t k) const;
   void update_point(const StressBatch& batch, std::size_t k) const;
-  /// Energy per initial volume at Kirchhoff stress `tau`.
+  /// Per initial volume, of a Kirchhoff stress.
   double stored(const Stress& tau, double J) const;
   double slope(double sin3) const;
 
   Constants c_;
-  double specific_volume_, shear_per_bulk_, slope_, third_, least_p_;
+  double specific_volume_, shear_per_bulk_, slope_, third_, tension_, least_p_;
 };
 
 }  // namespace pivnp::mpm

@@ -130,6 +130,26 @@ TEST(CamClay, ALayerRestsAndBearsAPlate) {
   EXPECT_LT(std::abs(e.residual), 0.03 * e.external);
 }
 
+// Weight that comes in a confined layer without stress compresses it along the lines of its state, from the least pressure on.
+TEST(CamClay, ALayerTakesItsWeightFromNothing) {
+  MaterialOptions clay = kaolin();
+  clay.own_value("preconsolidation_pa") = 5e3;
+  Scene s = scene(Grid{{0, 0}, {0.1, 0.1}, 11, 21}, {rectangle("clay", 0, 0, 1, 1)}, {clay});
+  s.boundaries = {{"base", line({0, 0}, {1, 0}, "fixed")}, {"left", line({0, 0}, {0, 2}, "roller")}, {"right", line({1, 0}, {1, 2}, "roller")}};
+  MpmOptions o = options({0, -9.81});
+  o.gravity_from_m_s2 = Pair{0.0, 0.0};
+  o.gravity_ramp_s = 0.6;
+  o.damping = 0.2;
+  Solver solver(o, s, 1);
+  solver.advance_to(0.9, silent);
+  const MotionFrame frame = solver.frame();
+  for (std::size_t k = 0; k < frame.v.size(); ++k) {
+    ASSERT_TRUE(std::isfinite(frame.u[k][1]));
+    ASSERT_GT(frame.u[k][1], -0.25);
+    ASSERT_LT(std::hypot(frame.u[k][0], 0), 0.02);
+  }
+}
+
 TEST(CamClay, RefusesWhatItCannotBe) {
   const auto fault = [](auto&& change) {
     MaterialOptions m = kaolin();
@@ -144,6 +164,7 @@ TEST(CamClay, RefusesWhatItCannotBe) {
   EXPECT_EQ(fault([](MaterialOptions&) {}), "");
   EXPECT_EQ(fault([](MaterialOptions& m) { m.own_value("kappa") = 0.3; }), "material.clay.kappa: found 0.3, expected less than lambda");
   EXPECT_NE(fault([](MaterialOptions& m) { m.own_value("void_ratio").reset(); }).find("material.clay.void_ratio: missing"), std::string::npos);
+  EXPECT_NE(fault([](MaterialOptions& m) { m.poisson = 0.48; }).find("material.clay.poisson: found 0.48, expected at most 0.45"), std::string::npos);
   EXPECT_NE(fault([](MaterialOptions& m) { m.young_pa = 1e6; }).find("material.clay.young_pa: given with model"), std::string::npos);
 }
 
