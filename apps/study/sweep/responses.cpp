@@ -183,8 +183,12 @@ void read_responses(const Case& c, const SweepOptions& options, SweepRun& run, P
   for (std::size_t k = 0; k < options.responses.size(); ++k) {
     const std::string& name = options.responses[k];
     if (name.starts_with(of_difference)) {
-      if (!found) found = compared_with(c, options.against, *motion, progress);
-      const Metric* metric = find(found->metrics, name.substr(of_difference.size()));
+      try {
+        if (!found && run.failure.empty()) found = compared_with(c, options.against, *motion, progress);
+      } catch (const InputError& error) {  // the other responses stand
+        run.failure = std::string("no difference: ") + error.what();
+      }
+      const Metric* metric = found ? find(found->metrics, name.substr(of_difference.size())) : nullptr;
       run.responses.push_back(metric ? metric->value : nan);
       if (metric) run.uncertainties[k] = metric->uncertainty;
       continue;

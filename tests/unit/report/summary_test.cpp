@@ -138,7 +138,9 @@ TEST(Summary, SentencesSayWhatTheNumbersSay) {
     EXPECT_EQ(text.find("No limit was stated") != std::string::npos, d.limits == 0);
     EXPECT_EQ(text.find(" exceeded.") != std::string::npos, d.missed > 0);
     if (d.missed > 0) {
-      EXPECT_NE(text.find(" " + std::to_string(d.missed) + " of " + std::to_string(d.limits) + " limit"), std::string::npos);
+      const std::string words = d.limits == 1 ? " The limit that was stated is exceeded"
+                                              : " " + std::to_string(d.missed) + " of " + std::to_string(d.limits) + " limits";
+      EXPECT_NE(text.find(words), std::string::npos);
     }
     std::size_t flagged = 0;
     for (const std::string& flag : flags(d.content)) flagged += count_of(flag, "is exceeded");
