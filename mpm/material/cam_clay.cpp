@@ -130,7 +130,7 @@ void ModifiedCamClay::update_point(const StressBatch& b, std::size_t k) const {
   now.p += tension_;
   double& p_c = b.history[memory][k];
   if (p_c == 0) {
-    const double p = std::max(now.p, least_p_), ratio = std::min(now.q / slope(now.sin3), p);
+    const double p = std::max(now.p, least_p_), ratio = std::min(now.q / slope(now.sin3), most_at_start(p));
     p_c = std::max(c_.preconsolidation_pa, c_.ocr * (p + ratio * ratio / p));
   }
   if (now.p < least_p_) {  // no shear without pressure
@@ -175,12 +175,17 @@ void ModifiedCamClay::update_point(const StressBatch& b, std::size_t k) const {
   b.history[plastic::work][k] += done - (stored({b.xx[k], b.yy[k], b.zz[k], b.xy[k]}, J) - stored(before, J_before));
 }
 
-// Elastic up to q = M p.
+// q/M: of the critical state, or on the yield surface of preconsolidation_pa where that is more.
+double ModifiedCamClay::most_at_start(double p) const {
+  return std::max(p, std::sqrt(p * std::max(0.0, c_.preconsolidation_pa - p)));
+}
+
+// Elastic up to that.
 void ModifiedCamClay::find_start(const StressBatch& b, std::size_t k) const {
   const Stress s = elastic_trial(elastic_, b, k);
   const Meridian at = meridian_of(s);
-  if (at.p <= 0) return store(b, k, {0, 0, 0, 0});
-  const double keep = std::min(1.0, slope(at.sin3) * at.p / at.q);
+  if (at.p + tension_ <= 0) return store(b, k, {0, 0, 0, 0});
+  const double keep = at.q > 0 ? std::min(1.0, slope(at.sin3) * most_at_start(at.p + tension_) / at.q) : 1;
   store(b, k, {keep * (s.xx + at.p) - at.p, keep * (s.yy + at.p) - at.p, keep * (s.zz + at.p) - at.p, keep * s.xy});
 }
 

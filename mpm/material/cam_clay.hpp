@@ -9,7 +9,7 @@
 // strain x of a step as the only unknown, q/M falls with x, and f has a root between x = 0 and the critical state.
 //
 // p_c is set by the first step after the initial equilibrium, in which the soil has the stiffness of
-// p = preconsolidation_pa up to q = M p: p_c = max(preconsolidation_pa, ocr (p + q^2/(M^2 p))).
+// p = preconsolidation_pa up to q = M p, or up to the yield surface of that p_c: p_c = max(preconsolidation_pa, ocr (p + q^2/(M^2 p))).
 #pragma once
 
 #include "mpm/material/model.hpp"
@@ -34,6 +34,7 @@ class ModifiedCamClay final : public Material {
   /// Per initial volume, of a Kirchhoff stress.
   double stored(const Stress& tau, double J) const;
   double slope(double sin3) const;
+  double most_at_start(double p) const;
 
   Constants c_;
   double specific_volume_, shear_per_bulk_, slope_, third_, tension_, least_p_;
