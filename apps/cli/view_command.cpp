@@ -17,12 +17,12 @@ namespace pivnp::app {
 
 Action declare_view(CLI::App& app, Session&) {
   const auto opened = std::make_shared<std::string>();
-  app.add_option("PATH", *opened, "a case, a record, a folder of frames, a video (left out: nothing is open)");
+  app.add_option("PATH", *opened, "a case, a record, a folder of frames, a video (default: nothing is open)");
   const auto threads = std::make_shared<int>(0);
   app.add_option("--threads", *threads, "threads of the window and of its runs (default: all cores); results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
-  return [opened, threads] {
+  return [opened, threads]() -> int {
     std::error_code failed;
     const std::filesystem::path window = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path() / "pivnp-view";
     if (!std::filesystem::exists(window, failed))
@@ -32,7 +32,6 @@ Action declare_view(CLI::App& app, Session&) {
     char* const words[] = {program.data(), opened->empty() ? nullptr : opened->data(), nullptr};
     execv(program.c_str(), words);
     throw RunError(program + ": cannot be started: " + std::strerror(errno));
-    return 0;
   };
 }
 

@@ -40,4 +40,10 @@ Scale scale_for(const std::vector<double>& values, bool signed_values) {
   return s;
 }
 
+Scale scale_of_magnitude(const std::vector<double>& values) {
+  Scale s = scale_for(values, false);
+  if (s.lower > 0) s.lower = 0, s.below = false;
+  return s;
+}
+
 }  // namespace pivnp::plot

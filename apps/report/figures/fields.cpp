@@ -101,7 +101,7 @@ FieldFigure gather(const FigureInput& input, const std::string& field) {
   }
   if (!std::any_of(differences.begin(), differences.end(), [](double d) { return std::isfinite(d); }))
     f.difference.clear();
-  f.scale = scale_for(values, false);
+  f.scale = std::string_view(field).ends_with("_magnitude") ? scale_of_magnitude(values) : scale_for(values, false);
   f.difference_scale = scale_for(differences, true);
   // A simulation that reaches far beyond what was measured is shown where the two can be compared.
   const Metric* shared = content.comparison ? find(content.comparison->metrics, "coverage_second") : nullptr;

@@ -384,7 +384,7 @@ void SetupPage::refresh_controls() {
     if (session_.camera().residual() > 0 && !c.camera.points_px.empty()) scale += ", RMS " + of_number(session_.camera().residual(), 2) + " " + plot::qt(unit);
   }
   scale_words_->setText(scale);
-  rate_->setPlaceholderText(session_.frames() && session_.frames()->has_rate() ? "left out: as the video states" : "left out: times are counted in frames");
+  rate_->setPlaceholderText(session_.frames() && session_.frames()->has_rate() ? "default: as the video states" : "default: times are counted in frames");
   if (!rate_->hasFocus()) rate_->setText(c.frames && c.frames->rate_hz ? plot::qt(app::toml_text(*c.frames->rate_hz)) : QString());
   if (const int at = method_->findText(plot::qt(p.method)); at >= 0) method_->setCurrentIndex(at);
   window_->setValue(p.window_px);

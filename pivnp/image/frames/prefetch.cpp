@@ -1,26 +1,19 @@
 // Reading ahead of the computation.
 #include <future>
 
-#include "pivnp/image/frames/frames.hpp"
+#include "pivnp/image/frames/forwarded.hpp"
 
 namespace pivnp::image {
 
 namespace {
 
 // The wrapped source is touched by one thread at a time: a read in the background is waited for before the next one.
-class Prefetched final : public FrameSource {
+class Prefetched final : public ForwardedFrames {
  public:
-  explicit Prefetched(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
+  using ForwardedFrames::ForwardedFrames;
   ~Prefetched() override {
     if (ahead_.valid()) ahead_.wait();
   }
-
-  const std::vector<Frame>& frames() const override { return source_->frames(); }
-  bool has_rate() const override { return source_->has_rate(); }
-  int width() const override { return source_->width(); }
-  int height() const override { return source_->height(); }
-  std::vector<std::filesystem::path> files() const override { return source_->files(); }
-  std::vector<Remark> remarks() const override { return source_->remarks(); }
 
   Image read(int index) override {
     const bool forward = index == last_ + 1 || index == last_;
@@ -45,7 +38,6 @@ class Prefetched final : public FrameSource {
     ahead_ = std::async(std::launch::async, [this, index] { return source_->read(index); });
   }
 
-  std::unique_ptr<FrameSource> source_;
   std::future<Image> ahead_;
   int ahead_index_ = -1, last_ = -1;
 };

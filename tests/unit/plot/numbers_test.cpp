@@ -40,6 +40,15 @@ TEST(Scale, RoundOffIsNotTheOtherSideOfZero) {
   EXPECT_EQ(scale_for(pressures, false).map, Colours::diverging);
 }
 
+TEST(Numbers, MagnitudesBeginAtZero) {
+  std::vector<double> uniform;
+  for (int k = 0; k < 100; ++k) uniform.push_back(6.323 + 4e-5 * k);
+  EXPECT_GT(scale_for(uniform, false).lower, 6);
+  const Scale scale = scale_of_magnitude(uniform);
+  EXPECT_EQ(scale.lower, 0);
+  EXPECT_FALSE(scale.below);
+}
+
 TEST(Numbers, Numbers) {
   EXPECT_EQ(significant(0.5), "0.500");
   EXPECT_EQ(significant(0), "0");

@@ -7,16 +7,17 @@
 
 #include "pivnp/core/error.hpp"
 #include "pivnp/core/text.hpp"
+#include "pivnp/image/frames/forwarded.hpp"
 
 namespace pivnp::app {
 
 namespace {
 
 // Some of another source's frames.
-class SomeFrames final : public image::FrameSource {
+class SomeFrames final : public image::ForwardedFrames {
  public:
   SomeFrames(std::unique_ptr<image::FrameSource> source, std::vector<int> used)
-      : source_(std::move(source)), used_(std::move(used)) {
+      : ForwardedFrames(std::move(source)), used_(std::move(used)) {
     for (const int k : used_) frames_.push_back(source_->frames()[std::size_t(k)]);
     const auto files = source_->files();
     const bool one_each = files.size() == source_->frames().size();
@@ -27,15 +28,10 @@ class SomeFrames final : public image::FrameSource {
   }
 
   const std::vector<Frame>& frames() const override { return frames_; }
-  bool has_rate() const override { return source_->has_rate(); }
-  int width() const override { return source_->width(); }
-  int height() const override { return source_->height(); }
   std::vector<std::filesystem::path> files() const override { return files_; }
-  std::vector<Remark> remarks() const override { return source_->remarks(); }
   Image read(int index) override { return source_->read(used_.at(std::size_t(index))); }
 
  private:
-  std::unique_ptr<image::FrameSource> source_;
   std::vector<int> used_;
   std::vector<Frame> frames_;
   std::vector<std::filesystem::path> files_;
