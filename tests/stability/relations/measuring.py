@@ -6,7 +6,7 @@ usage: measuring.py PIVNP [COUNT] [FIRST] [--quick] [--only RELATION] [--all] [-
 
 COUNT seeds from FIRST (1, 1) on; --quick: every relation once, on scenes by turns. Differences of vectors over their stated standard
 deviation have a root mean square of at most 1 where the partner has the same frames in another guise (both hold the same error, but
-for what is rounded and cut), of at most 1.5 where noise, surroundings or frames are others (1 if errors are independent and stated as they
+for what is rounded and cut), of at most 1.5 where noise or frames are others (1 if errors are independent and stated as they
 are); and at most 1 % of them, in either case, exceed 4. A violation prints relation, scene with its seed, value and bound; the exit code is then 1.
 Faults in KNOWN are left out but with --all.
 """
@@ -247,10 +247,10 @@ RELATIONS = {
     "shifted": Relation(shifted, OTHER, "pairs"),
     "mirrored": Relation(mirrored, SAME, "pairs"),
     "turned": Relation(turned, SAME, "pairs"),
-    "cropped": Relation(cropped, OTHER, "pairs"),
-    "padded with black": Relation(padded("black"), OTHER, "pairs"),
-    "padded with grey": Relation(padded("grey"), OTHER, "pairs"),
-    "padded with still texture": Relation(padded("texture"), OTHER, "pairs"),
+    "cropped": Relation(cropped, SAME, "pairs"),
+    "padded with black": Relation(padded("black"), SAME, "pairs"),
+    "padded with grey": Relation(padded("grey"), SAME, "pairs"),
+    "padded with still texture": Relation(padded("texture"), SAME, "pairs"),
     "frame repeated": Relation(repeated, SAME, "pairs"),
     "names changed": Relation(names_changed, 0.0, "pairs"),
     "as PNG": Relation(as_png, 0.0, "pairs"),
